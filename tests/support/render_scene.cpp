@@ -25,8 +25,8 @@ Rendered Render(SceneDescription description, const BuildOptions &options, bool 
     Rendered out;
     out.image = built.film->ToImage();
     out.seconds = result.seconds;
-    for (const SidePicture &side : built.integrator->SidePictures())
-        out.sidePictures.emplace_back(side.name, side.film->ToImage());
+    for (const SideImage &side : built.integrator->SideImages())
+        out.sideImages.emplace_back(side.name, side.film->ToImage());
     out.diagnostics = sink.All();
     if (built.integrator->Lights()) built.integrator->Lights()->Report(out.lightReport);
     return out;

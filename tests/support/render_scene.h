@@ -20,7 +20,7 @@ struct Rendered {
     nlohmann::ordered_json lightReport;
     double seconds = 0;
     std::vector<Diagnostic> diagnostics;
-    std::vector<std::pair<std::string, Image>> sidePictures;  ///< Integrator::SidePictures
+    std::vector<std::pair<std::string, Image>> sideImages;  ///< Integrator::SideImages
 };
 
 /// Reads, builds and renders in this process; throws UserError. All light samplers of the build are registered.

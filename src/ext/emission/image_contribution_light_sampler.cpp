@@ -198,6 +198,11 @@ ImageContributionLightSampler::ImageContributionLightSampler(const LightTable &l
     : PowerLightSampler(params.meshlights ? lights.ByLight() : lights.ByComponent()), params_(params) {}
 
 void ImageContributionLightSampler::Prepare(PrepareContext &context) {
+    table_ = TableByPower(groups_);
+    contributions_.clear();
+    missed_ = 1;
+    prepassSeconds_ = 0;
+    groupsSeen_ = 0;
     if (groups_.Size() <= 1) return;
     const auto start = std::chrono::steady_clock::now();
     const double pixels = context.pixelBounds.IsEmpty() ? 0 : double(context.pixelBounds.Area());

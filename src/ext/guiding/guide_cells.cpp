@@ -331,16 +331,16 @@ class GuideCellsBuilder {
             plain += tested_[i].plainSquare;
         }
         if (node == 0 && tests < kMinTests) return;
-        const double most = kLargestPart * squares, mostPlain = kLargestPart * plain;
+        const double maxSquares = kLargestPart * squares, maxPlain = kLargestPart * plain;
         Moments here;
         for (size_t k = 0; k < kProbabilities; ++k) here.parts[k] = prior * above.each * above.parts[k];
         here.plain = prior * above.plain;
         for (size_t i = content.begin; i < content.end; ++i) {
             const Tested &tested = tested_[i];
             if (KindOf(*records_[i].record) != kind || !(tested.squares[0] > 0)) continue;
-            const double part = std::min(1.0, most / tested.squares[0]);
+            const double part = std::min(1.0, maxSquares / tested.squares[0]);
             for (size_t k = 0; k < kProbabilities; ++k) here.parts[k] += part * tested.squares[k];
-            here.plain += std::min(tested.plainSquare, mostPlain);
+            here.plain += std::min(tested.plainSquare, maxPlain);
         }
         if (!(here.parts[0] > 0)) return;
         const double bounces = prior + double(content.kindBounces[kind]);

@@ -14,7 +14,7 @@ class GuidedDirections {
   public:
     GuidedDirections(PathGuide &guide, Point2i pixel, int sample)
         : guide_(guide), roulette_(guide.Roulette()), hasLearnedRoulette_(roulette_ && roulette_->HasEstimates()),
-          pixelImportance_(guide.PixelImportance(guide.InPicture(pixel))) {
+          pixelImportance_(guide.PixelImportance(guide.InImage(pixel))) {
         if (const std::optional<size_t> path = guide.PathNumber(pixel, sample)) recorder_.emplace(guide, *path);
     }
 

@@ -66,7 +66,7 @@ void PathGuide::Prepare(PrepareContext &prepare, int maxDepth) {
     in.Require(learned == first && (next == 0 || next == NextAfter(first)),
                "the guide learns after a wrong number of samples");
     LoadEstimates(in);
-    in.Require(!roulette_.HasEstimates() || roulette_.Size() == Size(), "roulette was learned for another picture");
+    in.Require(!roulette_.HasEstimates() || roulette_.Size() == Size(), "roulette was learned for another image");
     BeginRecording(first, next);
     MergeRecords(in);
     in.RequireEnd();
@@ -129,7 +129,7 @@ void PathGuide::LoadOfOther(StateReader &in) {
 void PathGuide::Inspect(const PathVertex &vertex, Point2i pixel, std::vector<InspectedValue> &values) const {
     const double none = std::numeric_limits<double>::quiet_NaN();
     const Point3 &p = vertex.point.p;
-    const Float importance = PixelImportance(InPicture(pixel));
+    const Float importance = PixelImportance(InImage(pixel));
     const Float continuation = roulette_.HasEstimates() ? PathRoulette::ContinuationProbability(
                                                               roulette_.At(p, PathRoulette::KindOf(vertex)).here,
                                                               kInspectedWeight * importance)

@@ -56,7 +56,7 @@ class PathGuide final : public DirectionSampling {
     PathRoulette *Roulette() { return params_.roulette ? &roulette_ : nullptr; }
     void Inspect(const PathVertex &vertex, Point2i pixel, std::vector<InspectedValue> &values) const override;
     /// Pixel relative to the image corner.
-    Point2i InPicture(Point2i pixel) const { return pixel - pixels_.low; }
+    Point2i InImage(Point2i pixel) const { return pixel - pixels_.low; }
     std::optional<size_t> PathNumber(Point2i pixel, int sample) const { return paths_.NumberOf(pixel, sample); }
     /// Record slots for the bounces of a path; the path stores the range.
     PathObserver::PathPlaces BeginRecords(std::optional<size_t> path) const { return records_.PlacesOf(path); }

@@ -3,6 +3,8 @@
 #include <array>
 #include <bit>
 #include <cmath>
+#include <numeric>
+#include <span>
 #include <vector>
 
 #include "ext/guiding/point_tree.h"
@@ -91,10 +93,10 @@ class PathRoulette {
         Float here = -1, onwards = -1;
     };
     const Cell &At(const Point3 &p, uint32_t kind) const { return cells_[tree_.LeafOf(p, kind)]; }
-    /// Continuation probability in [least, 1] from a cell's estimate; 0: no estimate. `importance`: throughput (mean
+    /// Continuation probability in [min, 1] from a cell's estimate; 0: no estimate. `importance`: throughput (mean
     /// over wavelengths) times PixelImportance.
-    static Float ContinuationProbability(Float estimate, Float importance, Float least = kMinContinuation) {
-        return estimate < 0 ? 0 : std::clamp(importance * estimate, least, Float(1));
+    static Float ContinuationProbability(Float estimate, Float importance, Float min = kMinContinuation) {
+        return estimate < 0 ? 0 : std::clamp(importance * estimate, min, Float(1));
     }
 
     /// sqrt(C0/V0)/I of a pixel, relative to the image corner. A contribution times this, squared, is its variance in
@@ -156,9 +158,9 @@ class PathRoulette {
                                                     : std::optional("cells of roulette belong to no tree");
         constexpr int kMaxSide = 1 << 24;
         if (tile_ < 1 || tile_ > kMaxSide || size_.x < 1 || size_.y < 1 || size_.x > kMaxSide || size_.y > kMaxSide)
-            return "roulette was learned for no picture";
+            return "roulette was learned for no image";
         const auto along = [&](int pixels) { return size_t((pixels + tile_ - 1) / tile_); };
-        if (tiles_.size() != along(size_.x) * along(size_.y)) return "the tiles of roulette do not cover the picture";
+        if (tiles_.size() != along(size_.x) * along(size_.y)) return "the tiles of roulette do not cover the image";
         for (const Float tile : tiles_)
             if (!(tile > 0)) return "a tile of roulette has no importance";
         for (const Cell &cell : cells_)
@@ -220,6 +222,49 @@ class PathRoulette {
         Moments here, onwards;
     };
 
+    /// Mean radiance of tiles in rows of count.x, by a 3x3 filter weighted 4 : 2 : 1; at least a share of `mean`, the
+    /// image's. `sums`: radiance and number of paths.
+    static std::vector<double> FilteredRadiance(Vector2i count, std::span<const std::array<double, 2>> sums,
+                                                double mean) {
+        std::vector<double> radiance(sums.size());
+        for (int y = 0; y < count.y; ++y)
+            for (int x = 0; x < count.x; ++x) {
+                double found = 0, paths = 0;
+                for (int dy = -1; dy <= 1; ++dy)
+                    for (int dx = -1; dx <= 1; ++dx) {
+                        if (x + dx < 0 || x + dx >= count.x || y + dy < 0 || y + dy >= count.y) continue;
+                        const auto &tile = sums[(y + dy) * count.x + x + dx];
+                        const double weight = (dx == 0 ? 2 : 1) * (dy == 0 ? 2 : 1);
+                        found += weight * tile[0];
+                        paths += weight * tile[1];
+                    }
+                radiance[y * count.x + x] = std::hypot(paths > 0 ? found / paths : mean, kDark * mean);
+            }
+        return radiance;
+    }
+    /// Variance within pixels, of blocks of successive samples, over the square of `radianceOf`(pixel).
+    std::vector<double> RelativeVariances(std::span<const Point2i> pixels, auto &&radianceOf) const {
+        const std::span<const PathTotal> totals = totals_.Places();
+        std::vector<double> variances;
+        for (size_t i = 0, end = 0; i < totals.size(); i = end) {
+            while (end < totals.size() && pixels[end] == pixels[i]) ++end;
+            const size_t block = std::bit_floor(std::max<size_t>(1, (end - i) / 2));
+            double n = 0, found = 0, squares = 0;
+            for (size_t k = i; k + block <= end; k += block) {
+                if (!std::all_of(&totals[k], &totals[k] + block, [](const PathTotal &t) { return t.cost > 0; }))
+                    continue;
+                double x = 0;
+                for (size_t m = k; m < k + block; ++m) x += double(totals[m].radiance);
+                ++n;
+                found += x;
+                squares += x * x;
+            }
+            if (n < 2) continue;
+            const double I = radianceOf(pixels[i]);
+            variances.push_back(std::max(0.0, (squares - found * found / n) / (n - 1)) / (double(block) * I * I));
+        }
+        return variances;
+    }
     void EstimatePixels(Vector2i size, const std::vector<Point2i> &pixels) {
         const std::span<const PathTotal> totals = totals_.Places();
         double known = 0, sum = 0;
@@ -244,42 +289,10 @@ class PathRoulette {
             tile[0] += double(totals[i].radiance);
             ++tile[1];
         }
-        // 3x3 tile filter, weighted 4 : 2 : 1.
-        std::vector<double> radiance(sums.size());
-        for (int y = 0; y < count.y; ++y)
-            for (int x = 0; x < count.x; ++x) {
-                double found = 0, paths = 0;
-                for (int dy = -1; dy <= 1; ++dy)
-                    for (int dx = -1; dx <= 1; ++dx) {
-                        if (x + dx < 0 || x + dx >= count.x || y + dy < 0 || y + dy >= count.y) continue;
-                        const auto &tile = sums[(y + dy) * count.x + x + dx];
-                        const double weight = (dx == 0 ? 2 : 1) * (dy == 0 ? 2 : 1);
-                        found += weight * tile[0];
-                        paths += weight * tile[1];
-                    }
-                radiance[y * count.x + x] = std::hypot(paths > 0 ? found / paths : mean, kDark * mean);
-            }
-        // Variance within pixels, of blocks of successive samples.
-        std::vector<double> variances;
-        double all = 0;
-        for (size_t i = 0, end = 0; i < totals.size(); i = end) {
-            while (end < totals.size() && pixels[end] == pixels[i]) ++end;
-            const size_t block = std::bit_floor(std::max<size_t>(1, (end - i) / 2));
-            double n = 0, found = 0, squares = 0;
-            for (size_t k = i; k + block <= end; k += block) {
-                if (!std::all_of(&totals[k], &totals[k] + block, [](const PathTotal &t) { return t.cost > 0; }))
-                    continue;
-                double x = 0;
-                for (size_t m = k; m < k + block; ++m) x += double(totals[m].radiance);
-                ++n;
-                found += x;
-                squares += x * x;
-            }
-            if (n < 2) continue;
-            const double I = radiance[tileOf(pixels[i])];
-            variances.push_back(std::max(0.0, (squares - found * found / n) / (n - 1)) / (double(block) * I * I));
-            all += variances.back();
-        }
+        const std::vector<double> radiance = FilteredRadiance(count, sums, mean);
+        const std::vector<double> variances =
+            RelativeVariances(pixels, [&](const Point2i &p) { return radiance[tileOf(p)]; });
+        const double all = std::accumulate(variances.begin(), variances.end(), 0.0);
         double limited = 0;
         for (const double v : variances) limited += std::min(v, kLargestPixel * all);
         if (!(limited > 0)) return;

@@ -146,6 +146,28 @@ class Channel {
         }
     }
 
+    /// Noise of the difference, from the samples of runs and reference.
+    TileNoise::Estimate SampleNoise(const Bounds2i &r) const {
+        const auto tiles = double(r.Area());
+        double variance = 0, squared = 0, maxDof = kManyDof;
+        auto add = [&](const TileNoise::Estimate &noise) {
+            variance += noise.variance;
+            if (noise.dof > 0) squared += noise.variance * noise.variance / noise.dof;
+        };
+        if (runs_.Pictures() > 1) {
+            const TileNoise::Estimate noise = runs_.Of(r);
+            add(noise);
+            // If few runs agree by chance, all noise seems to be the reference's, with too many degrees of freedom.
+            if (runs_.Pictures() < TileNoise::kFew && noise.dof > 0) maxDof = noise.dof;
+        }
+        if (parts_.Pictures() > 1) {
+            add(parts_.Of(r));
+        } else if (!known_.empty()) {
+            ForEachPixel(r, [&](int x, int y) { variance += known_[grid_.Index(x, y)] / (tiles * tiles); });
+        }
+        return {variance, squared > 0 ? std::min(variance * variance / squared, maxDof) : kManyDof};
+    }
+
     /// `level`: significance level of this test.
     RegionTest Test(const Bounds2i &r, const Bounds2i &around, double allowance, double level) const {
         RegionTest test;
@@ -160,32 +182,12 @@ class Channel {
         unit = std::max(unit, 0.5);
 
         const auto runs = double(runs_.Pictures()), parts = double(parts_.Pictures());
-        double variance = 0, squared = 0;
-        auto add = [&](const TileNoise::Estimate &noise) {
-            variance += noise.variance;
-            if (noise.dof > 0) squared += noise.variance * noise.variance / noise.dof;
-        };
-        double mostDof = kManyDof;
-        if (runs > 1) {
-            const TileNoise::Estimate noise = runs_.Of(r);
-            add(noise);
-            // If few runs agree by chance, all noise seems to be the reference's, with too many degrees of freedom.
-            if (runs_.Pictures() < TileNoise::kFew && noise.dof > 0) mostDof = noise.dof;
-        }
-        if (parts > 1) {
-            add(parts_.Of(r));
-        } else if (!known_.empty()) {
-            ForEachPixel(r, [&](int x, int y) { variance += known_[grid_.Index(x, y)] / (tiles * tiles); });
-        }
-        test.dof = squared > 0 ? std::min(variance * variance / squared, mostDof) : kManyDof;
+        TileNoise::Estimate estimate = SampleNoise(r);
         double lack = ofRuns_.Around(around) / (runs * tiles);
         double surplus = ofReference_.Around(around) / (sampleRatio_ * parts * tiles);
         if (runs < 2 || (parts < 2 && known_.empty())) {
             const TileNoise::Estimate scatter = Scatter(r, test.difference);
-            if (scatter.variance >= variance) {
-                variance = scatter.variance;
-                test.dof = scatter.dof;
-            }
+            if (scatter.variance >= estimate.variance) estimate = scatter;
             if (runs < 2) {
                 const double strongest = StrongestDifference(around) / tiles;
                 lack = std::max(lack, strongest);
@@ -193,7 +195,8 @@ class Channel {
             }
         }
         test.difference /= unit;
-        test.standardError = std::sqrt(variance) / unit;
+        test.dof = estimate.dof;
+        test.standardError = std::sqrt(estimate.variance) / unit;
         if (test.standardError > 0) test.p = StudentTwoSidedP(test.difference / test.standardError, test.dof);
         else test.p = test.difference == 0 ? 1 : 0;
 
@@ -319,20 +322,12 @@ const char *BiasVerdictName(BiasVerdict verdict) {
     return verdict == BiasVerdict::Clean ? "clean" : verdict == BiasVerdict::Biased ? "biased" : "unknown";
 }
 
-BiasReport CheckBias(std::span<const TileMeans> runs, const BiasReference &reference, const BiasSettings &settings,
-                     std::span<const AuxiliaryRuns> auxiliary) {
-    CheckInput(runs, auxiliary, reference);
-    const TileGrid &grid = runs[0].grid;
-    const std::vector<Cut> levels = Levels(grid, int(runs.size()));
+namespace {
 
-    BiasReport report;
-    report.tiles = grid.Count();
-    report.smallestSide = levels[0].At(0, 0).high.x * TileGrid::kTileSize;
-    const double total = MeanOf(reference.parts);
-    if (total != 0) report.meanDifference = MeanOf(runs) / total - 1;
-
-    for (const Cut &cut : levels) report.tests += cut.Count() * runs[0].channels;
-    const double level = SidakLevel(settings.level, report.tests);
+/// Tests of all regions of all `levels`, each at significance `level`, by channel and level.
+std::vector<RegionTest> TestRegions(std::span<const TileMeans> runs, const BiasReference &reference,
+                                    const BiasSettings &settings, std::span<const AuxiliaryRuns> auxiliary,
+                                    std::span<const Cut> levels, double level) {
     std::vector<RegionTest> tests;
     for (int c = 0; c < runs[0].channels; ++c) {
         const Channel channel(runs, auxiliary, reference, c, levels[0]);
@@ -349,7 +344,26 @@ BiasReport CheckBias(std::span<const TileMeans> runs, const BiasReference &refer
             });
         }
     }
+    return tests;
+}
 
+}  // namespace
+
+BiasReport CheckBias(std::span<const TileMeans> runs, const BiasReference &reference, const BiasSettings &settings,
+                     std::span<const AuxiliaryRuns> auxiliary) {
+    CheckInput(runs, auxiliary, reference);
+    const TileGrid &grid = runs[0].grid;
+    const std::vector<Cut> levels = Levels(grid, int(runs.size()));
+
+    BiasReport report;
+    report.tiles = grid.Count();
+    report.smallestSide = levels[0].At(0, 0).high.x * TileGrid::kTileSize;
+    const double total = MeanOf(reference.parts);
+    if (total != 0) report.meanDifference = MeanOf(runs) / total - 1;
+
+    for (const Cut &cut : levels) report.tests += cut.Count() * runs[0].channels;
+    const double level = SidakLevel(settings.level, report.tests);
+    const std::vector<RegionTest> tests = TestRegions(runs, reference, settings, auxiliary, levels, level);
     // Level whose regions are closest to 1/16 of the image.
     const auto sixteenth =
         std::ranges::min_element(levels, {}, [](const Cut &cut) { return std::abs(std::log(cut.Count() / 16.0)); });
@@ -365,13 +379,13 @@ BiasReport CheckBias(std::span<const TileMeans> runs, const BiasReference &refer
     report.visibleSixteenth = Median(visible(sixteenth - levels.begin()));
     report.visibleSmallest = Median(visible(0));
 
-    auto leastP = [&](auto &&isMeant) {
+    auto minP = [&](auto &&isMeant) {
         auto meant = tests | std::views::filter(isMeant);
         return *std::ranges::min_element(meant, {}, &RegionTest::p);
     };
     const bool anyBiased = std::ranges::any_of(tests, &RegionTest::biased);
-    report.whole = leastP([&](const RegionTest &t) { return t.level == last; });
-    report.worst = leastP([&](const RegionTest &t) { return t.biased == anyBiased; });
+    report.whole = minP([&](const RegionTest &t) { return t.level == last; });
+    report.worst = minP([&](const RegionTest &t) { return t.biased == anyBiased; });
     report.pValue = SidakP(report.worst.p, tests.size());
     // Infinite deviates (p = 0) are shown as a large one.
     report.worstZ = std::copysign(std::min(NormalCritical(report.worst.p), 40.0), report.worst.difference);

@@ -120,7 +120,7 @@ class Rounds {
     /// Checks a sampler's light selection once. Skips the oracle, which is not ranked and would take hours.
     bool Check(size_t i, SamplerRun *run) {
         const SamplerChoice &choice = settings_.samplers[i];
-        if (!(settings_.selectionWork > 0) || choice.IsOracle()) return true;
+        if (!(settings_.selectionWork > 0) || choice.traits.isInstrument) return true;
         // An undecided check is repeated if more work is allowed.
         if (const Json note = context_.records.LoadNote(SelectionNote(choice));
             note.is_object() &&
@@ -129,7 +129,7 @@ class Rounds {
         std::unique_ptr<SamplerRun> again;
         if (!run && !(run = (again = Prepared(i, 0, expected_[i])).get())) return false;
         SelectionSettings how;
-        how.mostWork = settings_.selectionWork;
+        how.maxWork = settings_.selectionWork;
         how.bias.level = SidakLevel(how.bias.level, settings_.samplers.size());
         if (!vertices_) vertices_.emplace(SelectionVertices::Measure(context_.scene.built, how.seed, context_.cancel));
         if (context_.cancel.Cancelled()) return false;
@@ -137,7 +137,7 @@ class Rounds {
             CheckSelection(*vertices_, *run->GetIntegrator().Lights(), how, context_.cancel);
         if (!report) return false;
         Json note = ToJson(*report);
-        note["work"] = how.mostWork;
+        note["work"] = how.maxWork;
         context_.records.SaveNote(SelectionNote(choice), note);
         return true;
     }
@@ -225,7 +225,7 @@ class Rounds {
     }
     /// A run's first samples fill caches and cells; the pilot's estimate is better.
     void LearnCost(size_t i, int samples, double secondsPerSample) {
-        const bool wasInPilot = hasPilot_ && !settings_.samplers[i].IsOracle();
+        const bool wasInPilot = hasPilot_ && !settings_.samplers[i].traits.isInstrument;
         if (samples >= kReliableSamples || !wasInPilot) cost_[i] = secondsPerSample;
     }
 
@@ -269,7 +269,7 @@ void CheckCrops(const ExperimentSettings &settings, const LabScene &scene) {
     const Point2i resolution = scene.Resolution();
     for (const Bounds2i &c : settings.crops)
         if (c.IsEmpty() || Intersect(c, {{0, 0}, resolution}).Area() < c.Area())
-            throw UserError("--crops: {},{},{},{} is not inside the picture of {} x {} pixels.", c.low.x, c.low.y,
+            throw UserError("--crops: {},{},{},{} is not inside the image of {} x {} pixels.", c.low.x, c.low.y,
                             c.high.x, c.high.y, resolution.x, resolution.y);
 }
 

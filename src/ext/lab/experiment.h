@@ -39,7 +39,7 @@ void AddViews(const ExperimentContext &context, Json *results);
 /// below 0.9. Never below the factor that maps the 98th percentile to 0.9. Shared by all images of an experiment.
 double ChooseExposure(const Image &reference);
 /// Writes R, G, B with full range as a Radiance file: shared exponent, 8 bits per colour, no run-length coding.
-void WriteRangePicture(const std::string &path, const Image &image);
+void WriteRangeImage(const std::string &path, const Image &image);
 
 /// Writes references, results and errors as images, and adds them and the crops to `json`.
 void WritePictures(const ExperimentContext &context, const References &references,

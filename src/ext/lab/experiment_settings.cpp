@@ -64,9 +64,10 @@ std::vector<SamplerChoice> ParseSamplerChoices(const std::vector<std::string> &t
             LightFlags flags;
             flags.choice = text;
             flags.choiceFlag = kSamplersFlag;
-            ReadLightSelection(ParamSet(), flags, registry, sink);
-            SamplerChoice choice{text, SafeFileName(text), text.substr(0, text.find_first_of(":+")),
-                                 text.find("+mesh") != text.npos};
+            const std::optional<LightSelection> selection = ReadLightSelection(ParamSet(), flags, registry, sink);
+            if (!selection) return;
+            const auto &entry = *selection->sampler.entry;
+            SamplerChoice choice{text, SafeFileName(text), entry.name, WithoutMesh(text) != text, entry.traits};
             if (!labels.insert(text).second) throw UserError("sampler \"{}\" is listed twice.", text);
             while (!folders.insert(choice.folder).second) choice.folder += "_";
             choices.push_back(choice);

@@ -19,7 +19,7 @@ struct SamplerChoice {
     std::string folder;  ///< the label as a safe file name
     std::string name;    ///< of the light sampler
     bool meshLights = false;
-    bool IsOracle() const { return name == "oracle"; }
+    LightSamplerTraits traits{};
 };
 
 /// Splits a list of samplers. A semicolon ends a sampler, and so does a comma unless a "key=value" follows, which
@@ -49,7 +49,7 @@ struct ExperimentSettings {
     std::string samplesFrom;      ///< results.json whose sample counts are replayed instead of measuring time
     std::vector<Bounds2i> crops;  ///< empty: where the samplers differ most
     bool views = true;            ///< write inspection views per sampler, see WriteViews
-    double selectionWork = 1e8;   ///< SelectionSettings::mostWork of the light selection check; 0: no check
+    double selectionWork = 1e8;   ///< SelectionSettings::maxWork of the light selection check; 0: no check
     std::string outFolder;
     std::string cacheFolder;  ///< shared cache of rendered references; empty: none
     bool restart = false;     ///< delete the records of an experiment in outFolder first

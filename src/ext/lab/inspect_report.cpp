@@ -97,7 +97,7 @@ std::string InspectPage(const Json &inspection, const std::string &structure) {
     for (const Json &layer : layers)
         if (layer.at("file").is_string()) page += Figure(layer);
     page += fmt::format(
-        "</div>\n<h2>Lights</h2>\n<p>{} lights or emissive meshes{}. \"first\" is the number that the pictures' names "
+        "</div>\n<h2>Lights</h2>\n<p>{} lights or emissive meshes{}. \"first\" is the number that the images' names "
         "use.</p>\n",
         lights.size(), lights.size() > kMaxLights ? fmt::format("; the {} of most power", kMaxLights) : "");
     page += "<table id=\"lights\"><tr><th>place in the scene file</th><th>first</th><th>power</th></tr>\n" +
@@ -149,7 +149,7 @@ void WriteInspection(const Inspection &inspection, const std::string &folder, co
     const std::string out = folder + "/";
     Json json = about;
     json["note"] =
-        "Dark grey: nothing visible. Magenta: not finite. The bar below a picture runs from the "
+        "Dark grey: nothing visible. Magenta: not finite. The bar below an image runs from the "
         "darkest to the brightest colour.";
     json["everyNthPixel"] = inspection.stride;
     json["lights"] = Json::array();

@@ -33,8 +33,8 @@ std::vector<Image> Pictures(const ExperimentSettings &settings, const LabScene &
 
 std::string Bars(const Json &json, const char *what) {
     constexpr double kWidth = 760, kHeight = 34, kLeft = 260;
-    double most = 0;
-    for (const Json &s : json.at("samplers")) most = std::max(most, s.at("depths").back().at(what).get<double>());
+    double largest = 0;
+    for (const Json &s : json.at("samplers")) largest = std::max(largest, s.at("depths").back().at(what).get<double>());
     const size_t rows = json.at("samplers").size();
     std::string svg =
         fmt::format("<svg viewBox=\"0 0 {} {}\" role=\"img\">\n", kLeft + kWidth + 90, double(rows) * kHeight + 6);
@@ -44,7 +44,7 @@ std::string Bars(const Json &json, const char *what) {
                            EscapeHtml(s.at("label")));
         double from = 0;
         int k = 0;
-        const auto length = [&](double noise) { return most > 0 ? noise / most * kWidth : 0; };
+        const auto length = [&](double noise) { return largest > 0 ? noise / largest * kWidth : 0; };
         for (const Json &d : s.at("depths")) {
             const double to = std::max(from, d.at(what).get<double>());
             const double x = kLeft + length(from), width = length(to - from);
@@ -77,7 +77,7 @@ svg text { fill: currentColor; } svg text.in { fill: #fff; }
     page += fmt::format(
         "<title>{0} · noise per path depth</title>\n</head>\n<body>\n<h1>Noise per path depth: {0}</h1>\n", scene);
     page += fmt::format(
-        "<p>Expected relL2 of a picture of {} per pixel, by how many scattering events paths may have. A piece "
+        "<p>Expected relL2 of an image of {} per pixel, by how many scattering events paths may have. A piece "
         "of a bar is what the vertex of that number adds (its light sample and the light that a bounce from the vertex "
         "before finds). oracle: optimal light selection, the bound for any choice of lights. {} each.</p>\n",
         CountText(json.at("samples").get<int>(), "sample"), CountText(json.at("seeds").get<int>(), "seed"));

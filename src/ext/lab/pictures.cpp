@@ -51,12 +51,12 @@ Image ErrorMap(const Image &image, const Image &reference) {
 
 /// Colour scale limit for several maps: the maximum of their 99th percentiles.
 double ChooseErrorScale(std::span<const Image> maps) {
-    double most = 0;
+    double largest = 0;
     for (const Image &map : maps) {
         const auto *values = static_cast<const float *>(map.Data());
-        most = std::max(most, Percentile({values, values + map.ValueCount()}, 0.99));
+        largest = std::max(largest, Percentile({values, values + map.ValueCount()}, 0.99));
     }
-    return most > 0 ? most : 1;
+    return largest > 0 ? largest : 1;
 }
 
 /// Up to three disjoint square crops that maximize the difference between the samplers' largest and smallest RMS error.
@@ -74,14 +74,14 @@ std::vector<Bounds2i> ChooseCrops(std::span<const Image> maps, Point2i resolutio
     for (int y = 0; y + side <= resolution.y; y += step)
         for (int x = 0; x + side <= resolution.x; x += step) {
             const Bounds2i square{{x, y}, {x + side, y + side}};
-            double least = std::numeric_limits<double>::infinity(), most = 0;
+            double smallest = std::numeric_limits<double>::infinity(), largest = 0;
             for (const Image &map : maps) {
                 double sum = 0;
                 ForEachPixel(square, [&](int u, int v) { sum += Sqr(double(map.Get({u, v}, 0))); });
-                least = std::min(least, sum);
-                most = std::max(most, sum);
+                smallest = std::min(smallest, sum);
+                largest = std::max(largest, sum);
             }
-            if (!maps.empty()) candidates.push_back({square, std::sqrt(most) - std::sqrt(least)});
+            if (!maps.empty()) candidates.push_back({square, std::sqrt(largest) - std::sqrt(smallest)});
         }
     std::ranges::stable_sort(candidates, std::ranges::greater(), &Candidate::score);
     std::vector<Bounds2i> crops;
@@ -114,7 +114,7 @@ double ChooseExposure(const Image &reference) {
     return std::max(0.9 / bright, std::min(0.18 / middle, 0.9 / high));
 }
 
-void WriteRangePicture(const std::string &path, const Image &image) {
+void WriteRangeImage(const std::string &path, const Image &image) {
     const Point2i resolution = image.Resolution();
     std::string text = fmt::format("#?RADIANCE\nFORMAT=32-bit_rle_rgbe\n\n-Y {} +X {}\n", resolution.y, resolution.x);
     ForEachPixel(resolution, [&](int x, int y) {
@@ -201,7 +201,7 @@ void WritePictures(const ExperimentContext &context, const References &reference
         const std::string file = settings.outFolder + "/" + name;
         WriteImage(file + ".exr", r.image, metadata);
         WritePicture(file + ".png", r.image, exposure);
-        WriteRangePicture(file + ".hdr", r.image);
+        WriteRangeImage(file + ".hdr", r.image);
         (*json)["references"].push_back({{"file", name + ".exr"},
                                          {"picture", name + ".png"},
                                          {"pictureRange", name + ".hdr"},
@@ -214,14 +214,14 @@ void WritePictures(const ExperimentContext &context, const References &reference
     std::vector<Image> maps, shared;
     for (size_t i = 0; i < settings.samplers.size(); ++i) {
         maps.push_back(ErrorMap(pictures[i].front(), references.all[references.ofSampler[i]].image));
-        if (!settings.samplers[i].IsOracle()) shared.push_back(maps.back());
+        if (!settings.samplers[i].traits.isInstrument) shared.push_back(maps.back());
     }
     const double scale = ChooseErrorScale(maps);
-    const FalseColorStyle style{.most = Float(scale)};
+    const FalseColorStyle style{.max = Float(scale)};
     for (size_t i = 0; i < settings.samplers.size(); ++i) {
         const std::string folder = settings.outFolder + "/" + settings.samplers[i].folder;
         WritePicture(folder + "/result.png", pictures[i].front(), exposure);
-        WriteRangePicture(folder + "/result.hdr", pictures[i].front());
+        WriteRangeImage(folder + "/result.hdr", pictures[i].front());
         WriteImage(folder + "/error.png", FalseColor(maps[i], 0, style));
     }
     (*json)["exposure"] = exposure;

@@ -16,7 +16,7 @@ constexpr int kPilotSeed = 700001;                          // disjoint from the
 std::vector<SamplerChoice> Candidates(const ExperimentSettings &settings, const PluginRegistry &registry) {
     std::vector<SamplerChoice> candidates;
     for (const SamplerChoice &s : settings.samplers)
-        if (!s.IsOracle()) candidates.push_back(s);
+        if (!s.traits.isInstrument) candidates.push_back(s);
     for (const char *stock : {"bvh", "uniform"})
         if (std::ranges::find(candidates, stock, &SamplerChoice::label) == candidates.end())
             candidates.push_back(ParseSamplerChoices({stock}, registry).front());
@@ -24,7 +24,7 @@ std::vector<SamplerChoice> Candidates(const ExperimentSettings &settings, const 
 }
 
 /// More samples for many lights per pixel (lights never selected leave no trace), and for long references.
-int SamplesPerPicture(const ExperimentSettings &settings, const LabScene &scene) {
+int SamplesPerImage(const ExperimentSettings &settings, const LabScene &scene) {
     const double lights = double(scene.built.scene->Lights().Size());
     const double pixels = double(std::max<int64_t>(1, scene.Pixels().Area()));
     const int forReference = ReferenceRule::For(settings).samples / kShareOfReference;
@@ -45,7 +45,7 @@ struct Pilot {
 /// Variance of one sample, relative as in relL2, from the differences of the candidate's two images. Denominators are
 /// tile means of the other candidates: a rare bright sample must not enlarge its own divisor, which would favour the
 /// sampler with the rarest ones. `epsilon`: RelL2Epsilon of all candidates' mean.
-double VarianceBetweenPictures(const std::vector<Pilot> &pilots, size_t which, int samples, double epsilon) {
+double VarianceBetweenImages(const std::vector<Pilot> &pilots, size_t which, int samples, double epsilon) {
     const auto &[a, b] = pilots[which].pictures;
     double sum = 0;
     pilots[which].tiles.grid.ForEachTile([&](int tile, const Bounds2i &pixels) {
@@ -65,7 +65,7 @@ double VarianceBetweenPictures(const std::vector<Pilot> &pilots, size_t which, i
 }
 
 /// The same from the squared differences of the candidate's tiles to the mean of the others, minus that mean's noise.
-/// Detects light so rare that neither of its images contains it. `between`: VarianceBetweenPictures of all.
+/// Detects light so rare that neither of its images contains it. `between`: VarianceBetweenImages of all.
 double VarianceAgainstOthers(const std::vector<Pilot> &pilots, size_t which, int samples,
                              const std::vector<double> &between, double epsilon) {
     // Noisy candidates count less. None counts more than the median one, as one that misses a light seems quiet.
@@ -130,10 +130,6 @@ double EstimateRuns(const ExperimentSettings &settings, const std::vector<PilotE
     return seconds * settings.seeds;
 }
 
-bool IsTrusted(const SamplerChoice &choice) {
-    return choice.name == "uniform" || choice.name == "power" || choice.name == "bvh" || choice.name == "exhaustive";
-}
-
 std::optional<std::vector<PilotEntry>> RunPilot(const ExperimentContext &context) {
     const auto &[settings, scene, registry, records, cancel, display] = context;
     const std::vector<SamplerChoice> candidates = Candidates(settings, registry);
@@ -141,7 +137,7 @@ std::optional<std::vector<PilotEntry>> RunPilot(const ExperimentContext &context
         return known;
 
     display.SetPhase("pilot");
-    const int samples = SamplesPerPicture(settings, scene);
+    const int samples = SamplesPerImage(settings, scene);
     std::vector<PilotEntry> entries;
     double left = -1;  // unknown before the first candidate is rendered
     std::vector<Pilot> pilots;
@@ -167,7 +163,7 @@ std::optional<std::vector<PilotEntry>> RunPilot(const ExperimentContext &context
         for (const double v : p.tiles.values) mean += v / double(pilots.size() * p.tiles.values.size());
     const double epsilon = RelL2Epsilon(mean);
     std::vector<double> between;
-    for (size_t i = 0; i < pilots.size(); ++i) between.push_back(VarianceBetweenPictures(pilots, i, samples, epsilon));
+    for (size_t i = 0; i < pilots.size(); ++i) between.push_back(VarianceBetweenImages(pilots, i, samples, epsilon));
     for (size_t i = 0; i < pilots.size(); ++i)
         entries[i].variance = std::max(between[i], VarianceAgainstOthers(pilots, i, samples, between, epsilon));
     std::ranges::stable_sort(entries, {}, &PilotEntry::variance);

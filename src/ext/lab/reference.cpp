@@ -168,7 +168,7 @@ int SamplesPerPart(const ExperimentContext &context, const PilotEntry &with, int
 /// Reads a finished part, or renders it; adds it to the reference. Returns false if cancelled.
 bool AddPart(const ExperimentContext &context, const SamplerChoice &choice, int seed, int samples, int partsAfter,
              const std::string &file, Reference *reference) {
-    if (IsWholePicture(file, context.scene.Resolution())) {
+    if (IsWholeImage(file, context.scene.Resolution())) {
         const ImageFile known = ReadImage(file);
         reference->seconds += Described(file, known.metadata).seconds;
         reference->parts.push_back(known.image.Select({"R", "G", "B"}));
@@ -274,9 +274,9 @@ std::optional<References> MakeReferences(const ExperimentContext &context) {
     References references;
     references.pilot = *pilot;
     std::vector<PilotEntry> makers = *pilot;
-    bool areStocks = false;
+    bool areStocks = false;  // the images of stock's samplers are considered unbiased
     for (bool stockOnly : {false, true}) {
-        if (stockOnly) std::erase_if(makers, [&](const PilotEntry &e) { return !IsTrusted(e.choice); });
+        if (stockOnly) std::erase_if(makers, [&](const PilotEntry &e) { return !e.choice.traits.isStock; });
         references.all.clear();
         const size_t wanted = (stockOnly || isListed(makers.at(0).choice)) && makers.size() > 1 ? 2 : 1;
         for (size_t i = 0; i < wanted; ++i) {
@@ -289,7 +289,7 @@ std::optional<References> MakeReferences(const ExperimentContext &context) {
             references.all.push_back(std::move(*made));
         }
         areStocks = std::all_of(makers.begin(), makers.begin() + wanted,
-                                [&](const PilotEntry &e) { return IsTrusted(e.choice); });
+                                [&](const PilotEntry &e) { return e.choice.traits.isStock; });
         if (wanted < 2 || areStocks || !Contradict(references.all[0], references.all[1])) break;
         references.remarks.push_back(fmt::format(
             "The references of \"{}\" and \"{}\" contradict each other: one is biased. Stock's samplers made "

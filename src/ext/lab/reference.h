@@ -64,9 +64,6 @@ double SecondsPerSample(const std::vector<PilotEntry> &entries, const SamplerCho
 /// Estimates the seconds of all runs of the experiment.
 double EstimateRuns(const ExperimentSettings &settings, const std::vector<PilotEntry> &entries);
 
-/// True for samplers of stock pbrt, whose images are considered unbiased.
-bool IsTrusted(const SamplerChoice &choice);
-
 struct Reference {
     Image image;                  ///< R, G, B over the film's pixels
     std::vector<Image> parts;     ///< images of equal weight with mean `image`; empty: unknown

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "pbrt/build/light_sampler_spec.h"
 #include "pbrt/math/statistics.h"
 
 namespace ext::lab {
@@ -121,12 +122,6 @@ Json BiasJson(const BiasReport &b) {
             {"text", b.text}};
 }
 
-/// Label without "+mesh": runs with and without mesh lights are auxiliary to each other.
-std::string NameWithoutMesh(std::string label) {
-    if (const size_t at = label.find("+mesh"); at != std::string::npos) label.erase(at, 5);
-    return label;
-}
-
 /// Sets `bias` of the samplers, which have the samples of their runs and are in the order of `pictures`.
 void JudgeImages(const References &references, const std::vector<std::vector<Image>> &pictures,
                  std::vector<SamplerResult> &samplers) {
@@ -135,11 +130,11 @@ void JudgeImages(const References &references, const std::vector<std::vector<Ima
         std::vector<TileMeans> tiles;
         double samples = 0;  ///< per pixel of one image; 0: unknown
     };
-    std::vector<Source> sources;  // the samplers, then the references
+    std::vector<Source> sources;  // the samplers, then the references; with and without +mesh auxiliary to each other
     for (size_t i = 0; i < samplers.size(); ++i)
-        sources.push_back({NameWithoutMesh(samplers[i].choice.label), TilesOf(pictures[i]), samplers[i].samples});
+        sources.push_back({WithoutMesh(samplers[i].choice.label), TilesOf(pictures[i]), samplers[i].samples});
     for (const Reference &r : references.all) {
-        Source &source = sources.emplace_back(Source{NameWithoutMesh(r.sampler), TilesOf(r.parts)});
+        Source &source = sources.emplace_back(Source{WithoutMesh(r.sampler), TilesOf(r.parts)});
         if (r.parts.empty()) source.tiles.push_back(ComputeTileMeans(r.image));
         source.samples = r.samples / double(source.tiles.size());
     }
@@ -179,18 +174,18 @@ void CompareSamplers(std::vector<SamplerResult> &samplers) {
         for (size_t k = 0; k < samplers.size(); ++k) {
             const SamplerResult &other = samplers[k];
             if (k == i) continue;
-            if (other.choice.IsOracle() && !ratioToOracle)
+            if (other.choice.traits.isInstrument && !ratioToOracle)
                 ratioToOracle = ErrorRatioAtEqualCost(bySamples[i], bySamples[k]);
             const std::optional<double> speedUp = SpeedUpToEqualError(bySeconds[i], bySeconds[k]);
             if (!speedUp) continue;
             speedUps[other.choice.label] = *speedUp;
-            const bool counts = !other.choice.IsOracle() && other.bias.verdict != BiasVerdict::Biased;
+            const bool counts = !other.choice.traits.isInstrument && other.bias.verdict != BiasVerdict::Biased;
             if (counts && (!mine.speedUp || *speedUp < *mine.speedUp)) {
                 mine.speedUp = *speedUp;
                 mine.speedUpAgainst = other.choice.label;
             }
         }
-        if (mine.choice.IsOracle()) ratioToOracle = 1;
+        if (mine.choice.traits.isInstrument) ratioToOracle = 1;
         mine.summary["speedUp"] = OrNull(mine.speedUp);
         mine.summary["speedUpAgainst"] = mine.speedUp ? Json(mine.speedUpAgainst) : Json();
         mine.summary["speedUps"] = speedUps;
@@ -203,13 +198,13 @@ std::vector<std::string> RemarksOn(const ExperimentSettings &settings, const Ref
                                    const std::vector<SamplerResult> &samplers) {
     std::vector<std::string> remarks = references.remarks;
     for (const SamplerResult &s : samplers)
-        if (s.choice.IsOracle() && s.samples < kFewOracleSamples)
+        if (s.choice.traits.isInstrument && s.samples < kFewOracleSamples)
             remarks.push_back(fmt::format(
                 "\"{}\" took only {:.1f} samples per pixel, so ratios to it are rough; --spp gives equal samples.",
                 s.choice.label, s.samples));
     if (settings.sampledLightOnly)
         remarks.emplace_back(
-            "--sampled-light: the pictures lack lights seen directly or by specular reflection, and caustics.");
+            "--sampled-light: the images lack lights seen directly or by specular reflection, and caustics.");
     return remarks;
 }
 
@@ -245,7 +240,7 @@ ExperimentResults Summarize(const ExperimentSettings &settings, const References
     CompareSamplers(results.samplers);
     for (const SamplerResult &s : results.samplers)
         results.contenders.push_back({s.choice.label, ErrorsOf(s.runs, Measure::RelL2),
-                                      ErrorsOf(s.runs, Measure::RelL2Trimmed), s.bias.verdict, s.choice.IsOracle(),
+                                      ErrorsOf(s.runs, Measure::RelL2Trimmed), s.bias.verdict, s.choice.traits.isInstrument,
                                       s.firefliesDecide, s.speedUp, s.speedUpAgainst});
     results.conclusion = Conclude(results.contenders, references.doubts,
                                   RemarksOn(settings, references, results.samplers), settings.Timed());

@@ -61,7 +61,7 @@ void AddToJson(const ExperimentResults &results, Json *json) {
         Json report = first.report;
         report.erase("parameters");
         entry["meshLights"] = s.choice.meshLights;
-        entry["isOracle"] = s.choice.IsOracle();
+        entry["isOracle"] = s.choice.traits.isInstrument;
         entry["reference"] = s.reference;
         entry["report"] = report;
         entry["structure"] = first.structure;

@@ -29,10 +29,10 @@ Json ReadJson(const std::string &path) {
 
 }  // namespace
 
-RunRecord RecordFolder::LoadRun(const std::string &sampler, int seed, size_t most) const {
+RunRecord RecordFolder::LoadRun(const std::string &sampler, int seed, size_t maxRounds) const {
     RunRecord run;
     run.seed = seed;
-    for (int checkpoint = 0; run.rounds.size() < most; ++checkpoint) {
+    for (int checkpoint = 0; run.rounds.size() < maxRounds; ++checkpoint) {
         const Json json = LoadOwn(RoundFile(sampler, seed, checkpoint));
         if (!json.is_object()) break;
         try {

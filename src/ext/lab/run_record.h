@@ -59,8 +59,8 @@ class RecordFolder {
     RecordFolder(std::string folder, std::string experiment)
         : folder_(std::move(folder)), experiment_(std::move(experiment)) {}
     const std::string &Folder() const { return folder_; }
-    /// Loads the rounds of a run up to the first gap, at most `most`.
-    RunRecord LoadRun(const std::string &sampler, int seed, size_t most) const;
+    /// Loads the rounds of a run up to the first gap, at most `maxRounds`.
+    RunRecord LoadRun(const std::string &sampler, int seed, size_t maxRounds) const;
     void SaveLastRound(const std::string &sampler, const RunRecord &run) const;
     std::string FilmFile(const std::string &sampler, int seed, int checkpoint) const {
         return RoundFile(sampler, seed, checkpoint, "film");

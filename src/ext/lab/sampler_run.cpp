@@ -114,7 +114,7 @@ bool IsFinite(const Image &picture) {
     return isFinite;
 }
 
-bool IsWholePicture(const std::string &file, Point2i resolution) {
+bool IsWholeImage(const std::string &file, Point2i resolution) {
     if (!FileExists(file)) return false;
     try {
         const Image picture = ReadImage(file).image.Select({"R", "G", "B"});
@@ -128,7 +128,7 @@ RunRecord TakeUpRun(const RecordFolder &records, const LabScene &scene, const st
                     size_t checkpoints, const std::string &picture) {
     RunRecord run = records.LoadRun(sampler, seed, checkpoints);
     auto canResume = [&](size_t rounds) {
-        if (rounds == checkpoints) return IsWholePicture(picture, scene.Resolution());
+        if (rounds == checkpoints) return IsWholeImage(picture, scene.Resolution());
         return IsWholeFilm(records.FilmFile(sampler, seed, int(rounds) - 1), scene);
     };
     size_t kept = run.rounds.size();

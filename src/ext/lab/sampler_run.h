@@ -55,6 +55,6 @@ RunRecord TakeUpRun(const RecordFolder &records, const LabScene &scene, const st
 /// True if all values are finite.
 bool IsFinite(const Image &picture);
 /// True if the image is readable and has finite R, G and B at this resolution.
-bool IsWholePicture(const std::string &file, Point2i resolution);
+bool IsWholeImage(const std::string &file, Point2i resolution);
 
 }  // namespace ext::lab

@@ -152,11 +152,11 @@ Sums SumUp(std::span<const VertexFinding> region) {
         light += double(v.light);
         paths += v.endsPath;
     }
-    const double most = kMaxVertex * light / double(std::max<size_t>(paths, 1));
+    const double maxLight = kMaxVertex * light / double(std::max<size_t>(paths, 1));
     Sums sums;
     double pathLight = 0, pathExcess = 0;
     for (const VertexFinding &v : region) {
-        const double weight = double(v.light) > most ? most / double(v.light) : 1;
+        const double weight = double(v.light) > maxLight ? maxLight / double(v.light) : 1;
         pathLight += weight * double(v.light);
         pathExcess += weight * double(v.excess);
         sums.unjudged += weight * double(v.unjudged);
@@ -208,12 +208,30 @@ std::optional<SelectionReport> CheckSelection(const SelectionVertices &vertices,
         if (progress.Cancelled()) return {};
         report = JudgeSelection(regions, settings.bias);
         report.draws = draws;
-        if (report.visibleSixteenth <= settings.bias.interest || 4 * draws * count > settings.mostWork) break;
+        if (report.visibleSixteenth <= settings.bias.interest || 4 * draws * count > settings.maxWork) break;
     }
     return report;
 }
 
 double EffectivePaths(std::span<const VertexFinding> region) { return SumUp(region).Paths(); }
+
+namespace {
+
+std::string TextOf(const SelectionReport &report) {
+    std::string text = fmt::format("at {} path vertices light selection deviates by {:+.2g} +- {:.1g} %", report.vertices,
+                              100 * report.difference, 100 * report.standardError);
+    if (report.worstRegion >= 0)
+        text += fmt::format(", by {:+.2g} % in row {}, column {} of {} x {} regions",
+                                   100 * report.worstDifference, report.worstRegion / kSelectionSide + 1,
+                                   report.worstRegion % kSelectionSide + 1, kSelectionSide, kSelectionSide);
+    if (std::isfinite(report.visibleSixteenth))
+        text += fmt::format("; detectable: {} in the whole image, {} in a sixteenth",
+                                   RoundedPercent(report.visibleImage), RoundedPercent(report.visibleSixteenth));
+    else text += "; too few of them receive light for a detection limit";
+    return text;
+}
+
+}  // namespace
 
 SelectionReport JudgeSelection(std::span<const std::vector<VertexFinding>> regions, const BiasSettings &settings) {
     SelectionReport report;
@@ -264,16 +282,7 @@ SelectionReport JudgeSelection(std::span<const std::vector<VertexFinding>> regio
     report.verdict = biased                                         ? BiasVerdict::Biased
                      : report.visibleSixteenth <= settings.interest ? BiasVerdict::Clean
                                                                     : BiasVerdict::Unknown;
-    report.text = fmt::format("at {} path vertices light selection deviates by {:+.2g} +- {:.1g} %", report.vertices,
-                              100 * report.difference, 100 * report.standardError);
-    if (biased && report.worstRegion >= 0)
-        report.text += fmt::format(", by {:+.2g} % in row {}, column {} of {} x {} regions",
-                                   100 * report.worstDifference, report.worstRegion / kSelectionSide + 1,
-                                   report.worstRegion % kSelectionSide + 1, kSelectionSide, kSelectionSide);
-    if (std::isfinite(report.visibleSixteenth))
-        report.text += fmt::format("; detectable: {} in the whole image, {} in a sixteenth",
-                                   RoundedPercent(report.visibleImage), RoundedPercent(report.visibleSixteenth));
-    else report.text += "; too few of them receive light for a detection limit";
+    report.text = TextOf(report);
     return report;
 }
 
@@ -303,12 +312,12 @@ void AddSelection(const SelectionReport &selection, BiasReport *report) {
         auto size = [](double v) { return std::isfinite(v) ? RoundedPercent(v) : std::string("none"); };
         report->text = fmt::format(
             "No bias detected, and the check at path vertices would have detected one; smallest detectable by the "
-            "pictures alone: {} in the whole image, {} in regions of 1/{} of it.",
+            "images alone: {} in the whole image, {} in regions of 1/{} of it.",
             size(report->visibleImage), size(report->visibleSixteenth), report->sixteenthRegions);
     }
     if (selection.verdict == BiasVerdict::Biased && report->verdict != BiasVerdict::Biased) {
         report->verdict = BiasVerdict::Biased;
-        report->text = "The pictures alone do not show this bias.";
+        report->text = "The images alone do not show this bias.";
     }
     report->text += " Vertex by vertex: " + selection.text + ".";
 }

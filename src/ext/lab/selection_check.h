@@ -96,7 +96,7 @@ class SelectionVertices {
 /// sensitive than images, which also contain the noise of the paths. Method: selection_check.cpp.
 struct SelectionSettings {
     BiasSettings bias;      ///< the check ends when a bias of size `interest` would be detected in half of the regions
-    double mostWork = 1e8;  ///< maximum draws per round (0.05 to 1 us each)
+    double maxWork = 1e8;  ///< maximum draws per round (0.05 to 1 us each)
     int seed = 0;
 };
 

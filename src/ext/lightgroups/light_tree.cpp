@@ -18,17 +18,17 @@ uint32_t BestSplit(std::span<const EmitterItem> items, size_t axis) {
         weight += double(item.weight);
         sum += double(item.weight * item.feature[axis]);
     }
-    const auto count = uint32_t(items.size()), least = std::max(1u, count / kMinPart);
+    const auto count = uint32_t(items.size()), minCount = std::max(1u, count / kMinPart);
     uint32_t best = count / 2;
-    double most = -1, left = 0, leftSum = 0;
-    for (uint32_t i = 0; i + least < count; ++i) {
+    double largest = -1, left = 0, leftSum = 0;
+    for (uint32_t i = 0; i + minCount < count; ++i) {
         left += double(items[i].weight);
         leftSum += double(items[i].weight * items[i].feature[axis]);
-        if (i + 1 < least || !(left > 0) || !(weight > left)) continue;
+        if (i + 1 < minCount || !(left > 0) || !(weight > left)) continue;
         // Total spread is constant: maximizing it between the sides minimizes it within them.
         const double rest = sum - leftSum, between = leftSum * leftSum / left + rest * rest / (weight - left);
-        if (between > most) {
-            most = between;
+        if (between > largest) {
+            largest = between;
             best = i + 1;
         }
     }

@@ -65,9 +65,9 @@ void LearnedVisibilityLightSampler::TryPortals(PrepareContext &context, std::spa
         PortalsChanged();
         Learn(context, vertices);
     };
-    const std::vector<TrialPixel> with = context.trial();
+    const std::vector<TrialPixel> with = TraceTrial(context);
     use(false);
-    if (portals_.EndTrial(CompareTrials(with, context.trial(), portals_.CostPerVertex()))) use(true);
+    if (portals_.EndTrial(CompareTrials(with, TraceTrial(context), portals_.CostPerVertex()))) use(true);
 }
 
 double LearnedVisibilityLightSampler::PathsPerPixel(const PrepareContext &context) const {

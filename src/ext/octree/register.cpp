@@ -5,9 +5,10 @@
 void register_octree(pbrt::PluginRegistry &registry) {
     using namespace ext;
     registry.samplers.Add<OctreeParams>(
-        "octree", "Learns in a prepass which lights each region sees (after Noh, Choi, Moon 2023).",
+        "octree", "Selects lights by visibility learned in a prepass (after Noh, Choi, Moon 2023).",
         [](const OctreeParams &p, const ParamSet &, const LightGroups &groups) -> std::unique_ptr<LightSampler> {
             if (p.model == "paper") return std::make_unique<PaperOctreeLightSampler>(groups.Lights(), p);
             return std::make_unique<VisibilityOctreeLightSampler>(groups.Lights(), p);
-        });
+        },
+        {.example = "budget=0.02,floor=0.1"});
 }

@@ -12,26 +12,28 @@ namespace {
 
 /// Mean cosine above which light selection in media includes the phase function; below, it costs what it gains.
 constexpr Float kPeaked = 0.6f;
+/// Part of a light's weight that ignores the lobe, relative to the rest at the mean over lights: a light's centre may
+/// lie outside the lobe while its rim is inside.
+constexpr Float kLobeFloor = 0.1f;
 
 }  // namespace
 
-Float VisibilityOctreeLightSampler::Candidates::SumW() const { return std::accumulate(w, w + all, Float(0)); }
+Float VisibilityOctreeLightSampler::Candidates::SumW() const { return std::accumulate(w, w + totalCount, Float(0)); }
 
 const void *VisibilityOctreeLightSampler::WeighGroups(const LightQuery &query, LightMemory &memory) const {
     auto *c = memory.Make<Candidates>();
     WeighCandidates(query, model_.TreeAt(query), c);
-    Float sumG = c->localG;
-    if (portals_.IsActive()) {
-        WeighPortals(query, memory, c);
-        for (size_t i = c->count; i < c->all; ++i) sumG += c->g[i];
-    }
-    const bool isDirectional =
-        query.phase ? std::abs(query.phase->G()) > kPeaked : query.bsdf && query.bsdf->IsDirectional();
-    if (params_.bsdf && isDirectional) WeighScattering(query, c);
-    const Float sumW = c->SumW();
+    if (portals_.IsActive()) WeighPortals(query, memory, c);
+    if (UsesScattering(query)) WeighScattering(query, c);
+    const Float sumW = c->SumW(), sumG = std::accumulate(c->g + c->localCount, c->g + c->totalCount, c->localG);
     c->perW = sumW > 0 ? (1 - floor_) / sumW : 0;
     c->perG = sumW > 0 ? floor_ / sumG : 0;
     return c;
+}
+
+bool VisibilityOctreeLightSampler::UsesScattering(const LightQuery &query) const {
+    if (!params_.bsdf) return false;
+    return query.phase ? std::abs(query.phase->G()) > kPeaked : query.bsdf && query.bsdf->IsDirectional();
 }
 
 void VisibilityOctreeLightSampler::WeighCandidates(const LightQuery &query, const VisibilityTree *visibility,
@@ -40,67 +42,56 @@ void VisibilityOctreeLightSampler::WeighCandidates(const LightQuery &query, cons
     if (visibility) row = visibility->RowAt(query.p);
     if (lightTree_) {
         c->nodes = visibility ? row.nodes : lightTree_->BaseCut();
-        c->count = c->nodes.size();
+        c->localCount = c->nodes.size();
         c->localG = lightTree_->Evaluate(query, c->nodes, c->g);
     } else if (groups_.Size() > portals_.Count()) {
-        c->count = groups_.Size();
+        c->localCount = groups_.Size();
         c->localG = importance_.Evaluate(query, c->g);
     }
-    c->all = c->count;
+    c->totalCount = c->localCount;
     const Float *factor = VisibilityTree::Table().data();
-    for (size_t i = 0; i < c->count; ++i) c->w[i] = visibility ? c->g[i] * factor[row.codes[i]] : c->g[i];
-}
-
-void VisibilityOctreeLightSampler::WeighPortals(const LightQuery &query, LightMemory &memory, Candidates *c) const {
-    c->portals = portals_.Weigh(query, memory);
-    c->all = c->count + portals_.Count();
-    for (size_t k = 0; k < portals_.Count(); ++k) {
-        c->g[c->count + k] = c->portals->g[k];
-        c->w[c->count + k] = c->portals->w[k];
-    }
+    for (size_t i = 0; i < c->localCount; ++i) c->w[i] = visibility ? c->g[i] * factor[row.codes[i]] : c->g[i];
 }
 
 void VisibilityOctreeLightSampler::WeighScattering(const LightQuery &query, Candidates *c) const {
-    // A light's centre may lie outside the lobe while its rim is inside, so part of every weight ignores the lobe.
-    constexpr Float kAlike = 0.1f;
     // Lights below this weight skip the lobe evaluation, which costs as much as the rest of the selection. They
     // contribute little noise, and BSDF samples cover the brightest.
-    const Float least = c->SumW() * std::min(Float(0.01), Float(0.15) / Float(c->count));
+    const Float minWeight = c->SumW() * std::min(Float(0.01), Float(0.15) / Float(c->localCount));
     Vector3 wi[kMaxCandidates];
     uint8_t evaluated[kMaxCandidates];
-    size_t count = 0;
-    for (size_t i = 0; i < c->count; ++i) {
-        if (!(c->w[i] > least)) continue;
+    size_t evaluatedCount = 0;
+    for (size_t i = 0; i < c->localCount; ++i) {
+        if (!(c->w[i] > minWeight)) continue;
         // A node of several lights spans directions far from its centre.
         if (lightTree_ && !lightTree_->IsLight(c->nodes[i])) continue;
-        wi[count] = importance_.DirectionTo(
+        wi[evaluatedCount] = importance_.DirectionTo(
             query.p, lightTree_ ? lightTree_->LightAt(lightTree_->At(c->nodes[i]).begin) : uint32_t(i));
-        if (wi[count] != Vector3(0)) evaluated[count++] = uint8_t(i);
+        if (wi[evaluatedCount] != Vector3(0)) evaluated[evaluatedCount++] = uint8_t(i);
     }
     Float f[kMaxCandidates];
     if (query.phase)
-        for (size_t k = 0; k < count; ++k) f[k] = query.phase->P(query.wo, wi[k]);
-    else query.bsdf->ApproximateF(query.wo, {wi, count}, f);
+        for (size_t k = 0; k < evaluatedCount; ++k) f[k] = query.phase->P(query.wo, wi[k]);
+    else query.bsdf->ApproximateF(query.wo, {wi, evaluatedCount}, f);
     Float weighted = 0, weights = 0;
-    for (size_t k = 0; k < count; ++k) {
+    for (size_t k = 0; k < evaluatedCount; ++k) {
         weighted += f[k] * c->w[evaluated[k]];
         weights += c->w[evaluated[k]];
     }
     const Float mean = weights > 0 ? weighted / weights : 0;
     if (!(mean > 0) || !std::isfinite(mean)) return;
     // Relative to the mean, which preserves the total weight of the evaluated lights against the others.
-    for (size_t k = 0; k < count; ++k) c->w[evaluated[k]] *= (f[k] / mean + kAlike) / (1 + kAlike);
+    for (size_t k = 0; k < evaluatedCount; ++k) c->w[evaluated[k]] *= (f[k] / mean + kLobeFloor) / (1 + kLobeFloor);
 }
 
 std::optional<GroupLightSampler::ChosenGroup> VisibilityOctreeLightSampler::ChooseGroup(const LightQuery &query,
                                                                                         const void *weights,
                                                                                         Float u) const {
     const Candidates &c = *static_cast<const Candidates *>(weights);
-    const auto chosen = ChooseByWeight<Float>(c.all, u, [&](uint32_t i) { return c.Probability(i); });
+    const auto chosen = ChooseByWeight<Float>(c.totalCount, u, [&](uint32_t i) { return c.Probability(i); });
     if (!chosen) return {};
     const Float pmf = chosen.weight;
     const Float inner = LightGroups::InnerNumber(u, query.p, (chosen.before + pmf) - pmf, pmf);
-    if (chosen.index >= c.count) return ChosenGroup{portals_.GroupOf(chosen.index - c.count), pmf, inner, 0, 0};
+    if (chosen.index >= c.localCount) return ChosenGroup{portals_.GroupOf(chosen.index - c.localCount), pmf, inner, 0, 0};
     const auto group = [&](uint32_t g, Float probability, Float number, Float unoccluded) {
         return ChosenGroup{g, probability, number, unoccluded, unoccluded / (c.localG * probability)};
     };
@@ -116,7 +107,7 @@ std::optional<GroupLightSampler::ChosenGroup> VisibilityOctreeLightSampler::Choo
 Float VisibilityOctreeLightSampler::GroupProbability(const LightQuery &query, const void *weights,
                                                      uint32_t group) const {
     const Candidates &c = *static_cast<const Candidates *>(weights);
-    if (const size_t k = portals_.IndexOf(group); k < portals_.Count()) return c.Probability(c.count + k);
+    if (const size_t k = portals_.IndexOf(group); k < portals_.Count()) return c.Probability(c.localCount + k);
     if (!lightTree_) return c.Probability(group);
     const uint32_t position = lightTree_->PositionOf(group);
     if (position == LightTree::kNowhere) return 0;
@@ -124,23 +115,6 @@ Float VisibilityOctreeLightSampler::GroupProbability(const LightQuery &query, co
     const Float pmf = c.Probability(i);
     if (!(pmf > 0)) return 0;
     return lightTree_->IsLight(c.nodes[i]) ? pmf : pmf * lightTree_->PMFWithin(c.nodes[i], query, position);
-}
-
-std::optional<SampledLight> VisibilityOctreeLightSampler::ChooseInside(const LightQuery &query, const void *weights,
-                                                                       uint32_t group, Float u, Point2 *uPoint) const {
-    const size_t k = portals_.IndexOf(group);
-    if (k < portals_.Count()) return portals_.Sample(*static_cast<const Candidates *>(weights)->portals, k, uPoint);
-    return InteriorLightSampler::ChooseInside(query, weights, group, u, uPoint);
-}
-
-SampledLight VisibilityOctreeLightSampler::ChoiceTowards(const LightQuery &query, const void *weights, LightId infinite,
-                                                         const Point3 &p, const Vector3 &d) const {
-    const uint32_t group = groups_.GroupOf(infinite);
-    const size_t k = portals_.IndexOf(group);
-    if (k >= portals_.Count()) return InteriorLightSampler::ChoiceTowards(query, weights, infinite, p, d);
-    SampledLight choice = portals_.Towards(*static_cast<const Candidates *>(weights)->portals, k, p, d);
-    choice.pmf *= GroupProbability(query, weights, group);
-    return choice;
 }
 
 }  // namespace ext

@@ -21,25 +21,29 @@ class VisibilityOctreeLightSampler final : public LearnedVisibilityLightSampler 
     using LearnedVisibilityLightSampler::LearnedVisibilityLightSampler;
 
   private:
-    /// Weights at a point. Environment lights with portals follow the first `count` candidates.
+    /// Weights at a point. Environment lights with portals follow the local candidates.
     struct Candidates {
         static constexpr size_t kSize = kMaxCandidates + PortalSampling::kMaxLights;
         alignas(32) Float g[kSize], w[kSize];  ///< G, and G a b
-        Float localG = 0;                      ///< sum of the first `count` g
+        Float localG = 0;                      ///< sum of g of the local candidates
         Float perW = 0, perG = 0;              ///< P = w perW + g perG
         std::span<const uint32_t> nodes;       ///< of the light tree; empty: all groups in order
-        size_t count = 0, all = 0;
+        size_t localCount = 0, totalCount = 0;
         const PortalSampling::Weights *portals = nullptr;
 
         Float Probability(size_t i) const { return w[i] * perW + g[i] * perG; }
         Float SumW() const;
     };
+    bool UsesScattering(const LightQuery &query) const;
     void WeighCandidates(const LightQuery &query, const VisibilityTree *visibility, Candidates *c) const;
-    void WeighPortals(const LightQuery &query, LightMemory &memory, Candidates *c) const;
     void WeighScattering(const LightQuery &query, Candidates *c) const;
     const void *WeighGroups(const LightQuery &query, LightMemory &memory) const override;
     std::optional<ChosenGroup> ChooseGroup(const LightQuery &query, const void *weights, Float u) const override;
     Float GroupProbability(const LightQuery &query, const void *weights, uint32_t group) const override;
+
+    // Environment lights with portals: visibility_octree_portals.cpp.
+    /// Appends them to the candidates.
+    void WeighPortals(const LightQuery &query, LightMemory &memory, Candidates *c) const;
     std::optional<SampledLight> ChooseInside(const LightQuery &query, const void *weights, uint32_t group, Float u,
                                              Point2 *uPoint) const override;
     SampledLight ChoiceTowards(const LightQuery &query, const void *weights, LightId infinite, const Point3 &p,

@@ -34,7 +34,7 @@ class PortalSampling {
 
     /// False if portals are off, or a trial should decide and there can be none.
     bool IsWanted(const PrepareContext &context) const {
-        return !environments_.empty() && (!isOnTrial_ || context.trial);
+        return !environments_.empty() && (!isOnTrial_ || CanTrace(context));
     }
     /// Rays per vertex traced by Find.
     size_t RaysPerVertex() const { return environments_.size() * kRaysPerLight; }

@@ -99,7 +99,7 @@ struct MemoryEstimate {
     double largest = 0;   ///< its bytes
 
     double Total() const { return film + meshes + images; }
-    void See(double bytes, const FileLoc &at) {
+    void Include(double bytes, const FileLoc &at) {
         if (!(bytes > largest)) return;
         largest = bytes;
         largestAt = at;

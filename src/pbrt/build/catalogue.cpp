@@ -32,7 +32,7 @@ FamilyDoc DocumentIntegrators(const DirectionSamplings &directions) {
 FamilyDoc DocumentShapes() {
     FamilyDoc doc = Shapes().Document("shapes");
     for (FactoryDoc &shape : doc.makers) {
-        std::vector<ParamDoc> textures = DocumentParams(ShapeTextureParams{shape.name == "plymesh"});
+        std::vector<ParamDoc> textures = DocumentParams(ShapeTextureParams{IsDisplaceable(shape.name)});
         shape.params.insert(shape.params.end(), textures.begin(), textures.end());
     }
     return doc;

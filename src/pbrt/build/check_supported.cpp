@@ -61,7 +61,7 @@ std::vector<std::string> CheckSupported(SceneDescription &d, BuildOptions &optio
     auto leaveOut = [&](const FileLoc &loc, const std::string &what, const std::string &replacement = "") {
         const std::string instead = replacement.empty() ? "" : ", " + replacement + " is used instead";
         const std::string left = what + " is left out" + instead;
-        sink.Warning(loc, left + ": the picture is not that of the scene.");
+        sink.Warning(loc, left + ": the image is not that of the scene.");
         leftOut.push_back(loc ? fmt::format("{}:{}: {}", loc.file->name, loc.line, left) : left);
     };
     if (options.ignoreMedia) {

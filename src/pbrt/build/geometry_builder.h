@@ -17,13 +17,18 @@ namespace pbrt {
 
 /// Texture parameters of a shape. Read here because pbrt/shapes must not depend on pbrt/textures.
 struct ShapeTextureParams {
-    bool isPly = true;
+    bool isDisplaceable = true;
     FloatTextureParam alpha{}, displacement{};
     void Describe(auto &&v) {
         v("alpha", alpha, "fraction of rays that the surface stops");
-        if (isPly) v("displacement", displacement, "displacement along normals; needs normals and uv");
+        if (isDisplaceable) v("displacement", displacement, "displacement along normals; needs normals and uv");
     }
 };
+
+/// ShapeTraits::isDisplaceable; false for unknown shapes.
+inline bool IsDisplaceable(const std::string &shape) {
+    return Shapes().Has(shape) && Shapes().Find(shape).traits.isDisplaceable;
+}
 
 /// Builds materials, shapes, area lights, objects and instances. Errors are collected in the sink.
 class GeometryBuilder {
@@ -73,7 +78,7 @@ class GeometryBuilder {
         // Single-threaded, because the texture library is not thread-safe.
         for (Work &w : work_) {
             Collect(w.sink, [&] {
-                ShapeTextureParams p{w.entity->type == "plymesh"};
+                ShapeTextureParams p{IsDisplaceable(w.entity->type)};
                 ParamReader reader(w.entity->params);
                 p.Describe(reader);
                 reader.ThrowIfErrors();
@@ -153,7 +158,7 @@ class GeometryBuilder {
             // A constant alpha of 0 makes a light that emits as if opaque.
             const bool opaque = !w.alpha || w.alpha->Constant() == Float(0);
             ParamReader before(e.params);
-            ShapeTextureParams{e.type == "plymesh"}.Describe(before);  // already read
+            ShapeTextureParams{IsDisplaceable(e.type)}.Describe(before);  // already read
             const ShapeContext context{place,
                                        e.reverseOrientation,
                                        description_.files,

@@ -197,7 +197,7 @@ IntegratorSettings ReadIntegrator(const Entity &entity, const BuildOptions &opti
     IntegratorSettings settings;
     if (!Integrators().Has(type)) {
         sink.Error(options.integrator.empty() ? entity.loc : FileLoc{}, "Integrator \"{}\" is {}; {}{}.", type,
-                   type == kUnsupportedIntegrator ? "not supported yet" : "unknown", V3Hint("Integrator", type),
+                   type == kUnsupportedIntegrator ? "not supported yet" : "unknown", OldNameHint("Integrator", type),
                    ListChoices(type, Integrators().Names()));
     } else {
         const IntegratorTable::Entry &entry = Integrators().Find(type);

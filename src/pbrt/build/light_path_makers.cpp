@@ -13,7 +13,7 @@ struct ShootingParams {
     std::string shootingSampler = "power";
     void Describe(auto &&v) {
         v("shootingsampler", shootingSampler,
-          "light sampler of light paths: power, uniform or seen; --shooting-sampler overrides it (only here)");
+          "light sampler of light paths, such as power or uniform; --shooting-sampler overrides it (only here)");
     }
 };
 
@@ -39,9 +39,9 @@ struct BdptParams : BidirectionalParams {
     void Describe(auto &&v) {
         BidirectionalParams::Describe(v);
         v("visualizestrategies", visualizeStrategies,
-          "also write each strategy's image, `<picture>-strategy-depth<d>-s<s>-t<t>`; limits `maxdepth` to 5");
+          "also write each strategy's image, `<image>-strategy-depth<d>-s<s>-t<t>`; limits `maxdepth` to 5");
         v("visualizeweights", visualizeWeights,
-          "also write each strategy's share, `<picture>-weighted-depth<d>-s<s>-t<t>`; limits `maxdepth` to 5");
+          "also write each strategy's share, `<image>-weighted-depth<d>-s<s>-t<t>`; limits `maxdepth` to 5");
         lights.Describe(v);
     }
 };
@@ -108,20 +108,20 @@ void AddShooting(IntegratorTable &table, const char *name, const char *summary, 
 }
 
 auto ReadBdpt(const BdptParams &p, const IntegratorReading &r, IntegratorSettings &settings) {
-    using Kind = StrategyPictures::Kind;
+    using Kind = StrategyImages::Kind;
     std::vector<Kind> shown;
     if (p.visualizeStrategies) shown.push_back(Kind::Unweighted);
     if (p.visualizeWeights) shown.push_back(Kind::Weighted);
-    if (!shown.empty() && settings.maxDepth > StrategyPictures::kMaxDepth) {
-        settings.maxDepth = StrategyPictures::kMaxDepth;
-        r.sink.Warning({}, "Integrator \"bdpt\": pictures of strategies go up to \"maxdepth\" {}, which is used.",
+    if (!shown.empty() && settings.maxDepth > StrategyImages::kMaxDepth) {
+        settings.maxDepth = StrategyImages::kMaxDepth;
+        r.sink.Warning({}, "Integrator \"bdpt\": images of strategies go up to \"maxdepth\" {}, which is used.",
                        settings.maxDepth);
     }
     return [depth = settings.maxDepth, regularize = p.regularize, shown](const PathContext &context,
                                                                          OwnedSampler lights, OwnedSampler shooting) {
         return std::make_unique<BdptIntegrator>(
             context, depth, regularize, std::move(lights), std::move(shooting),
-            shown.empty() ? nullptr : std::make_unique<StrategyPictures>(shown, depth));
+            shown.empty() ? nullptr : std::make_unique<StrategyImages>(shown, depth));
     };
 }
 
@@ -161,7 +161,7 @@ void AddLightPathIntegrators(IntegratorTable &t) {
         t, "bdpt",
         "with media, at most 1,000 scattering events from either side; cameras and shading normals as lightpath; "
         "only here: any light sampler for the light that a vertex of the camera's path is connected to; "
-        "pictures of strategies are written at the end, not with checkpoints, parts or mpirun",
+        "images of strategies are written at the end, not with checkpoints, parts or mpirun",
         {.hasLightSampler = true,
          .connectsToCamera = true,
          .rendersMedia = true,
@@ -171,7 +171,7 @@ void AddLightPathIntegrators(IntegratorTable &t) {
     AddShooting<MltParams>(
         t, "mlt",
         "as bdpt, with the films rgb and spectral; light samplers learn in their preparation only; **differs**: every "
-        "mutation of a pixel has its share of bootstrap and chains, so that more mutations converge to the picture for "
+        "mutation of a pixel has its share of bootstrap and chains, so that more mutations converge to the image for "
         "every seed (stock: #525); a mutation is of all connections of a pair of subpaths, not of one",
         {.hasLightSampler = true,
          .connectsToCamera = true,

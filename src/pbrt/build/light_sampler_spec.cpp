@@ -35,6 +35,8 @@ size_t FindSuffix(std::string_view text, size_t from) {
     return text.size();
 }
 
+constexpr std::string_view kMesh = "mesh";
+
 Pieces Split(const FlagText &flag, DiagnosticSink &sink) {
     constexpr std::string_view kGuide = "guide:";
     const std::string_view text = flag.Text();
@@ -45,12 +47,12 @@ Pieces Split(const FlagText &flag, DiagnosticSink &sink) {
         const size_t begin = end + 1;
         end = FindSuffix(text, begin);
         const std::string_view word = text.substr(begin, end - begin);
-        if (word == "mesh") pieces.mesh = true;
+        if (word == kMesh) pieces.mesh = true;
         else if (word == "guide") pieces.guide = word.substr(word.size());
         else if (word.starts_with(kGuide)) pieces.guide = word.substr(kGuide.size());
         else
-            sink.Error(flag.At(word.data() - 1), "\"+{}\" is unknown; a light sampler is written {}.", word,
-                       kLightChoiceSyntax);
+            sink.Error(flag.At(word.data() - 1), "\"+{}\" is unknown; {}a light sampler is written {}.", word,
+                       OldNameHint("suffix", word.substr(0, word.find('='))), kLightChoiceSyntax);
     }
     return pieces;
 }
@@ -65,7 +67,8 @@ Param ReadOne(const FlagText &flag, const std::string &owner, const std::vector<
     if (doc == docs.end()) {
         std::vector<std::string> keys;
         for (const ParamDoc &d : docs) keys.push_back(d.name);
-        throw UserError(loc, "\"{}\" has no parameter \"{}\"; {}.", owner, key, ListChoices(key, keys));
+        throw UserError(loc, "\"{}\" has no parameter \"{}\"; {}{}.", owner, key,
+                        OldNameHint("parameter", fmt::format("{}.{}", owner, key)), ListChoices(key, keys));
     }
     if (equals == std::string::npos) throw UserError(loc, "expected \"{}=value\".", key);
     const std::string_view value = item.substr(equals + 1);
@@ -171,6 +174,15 @@ void WarnOfParamsWithoutEffect(const LightSamplerRegistry::Entry &entry, const P
 
 }  // namespace
 
+std::string WithoutMesh(std::string choice) {
+    for (size_t begin = FindSuffix(choice, 0); begin < choice.size();) {
+        const size_t end = FindSuffix(choice, begin + 1);
+        if (std::string_view(choice).substr(begin + 1, end - begin - 1) == kMesh) choice.erase(begin, end - begin);
+        else begin = end;
+    }
+    return choice;
+}
+
 void DeclareLightParams(ParamReader &reader, const PluginRegistry &registry, bool isGuided) {
     const auto declare = [&](const auto &table) {
         for (const std::string &name : table.Names())
@@ -246,9 +258,7 @@ std::optional<LightSamplerSpec> ReadShootingSampler(const ParamSet &integrator, 
     const size_t errorsBefore = sink.ErrorCount();
     const FlagText text("--shooting-sampler", flag);
     const auto find = [&](const std::string &name, const FileLoc &loc) -> const LightSamplerRegistry::Entry & {
-        std::vector<std::string> choices;
-        for (const std::string &n : registry.samplers.Names())
-            if (registry.samplers.Find(n).traits.isSameEverywhere) choices.push_back(n);
+        const std::vector<std::string> choices = registry.EmissionSamplerNames();
         if (registry.samplers.Has(name) && !registry.samplers.Find(name).traits.isSameEverywhere)
             throw UserError(loc,
                             "light sampler \"{}\" chooses by place, and light paths have none before they begin; {}.",

@@ -18,6 +18,8 @@ struct LightSamplerSpec {
 };
 
 inline constexpr const char *kLightChoiceSyntax = "name[:key=value,...][+mesh][+guide[:key=value,...]]";
+/// `choice` (kLightChoiceSyntax) without "+mesh".
+std::string WithoutMesh(std::string choice);
 
 /// Light selection flags; empty if not given. All programs share the syntax kLightChoiceSyntax.
 struct LightFlags {

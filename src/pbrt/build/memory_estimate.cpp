@@ -101,7 +101,7 @@ void AddImages(const SceneDescription &d, MemoryEstimate *estimate) {
         const std::string path = d.files.Resolve(name->strings[0]);
         if (!seen.insert(path).second) return;
         const double bytes = factor * ImageBytes(path);
-        estimate->See(bytes, entity.loc);
+        estimate->Include(bytes, entity.loc);
         estimate->images += bytes;
         ++estimate->imageCount;
     };
@@ -127,7 +127,7 @@ MemoryEstimate EstimateMemory(const SceneDescription &d, double filmBytes, bool 
     const auto addShapes = [&](const std::vector<ShapeEntity> &shapes) {
         for (const ShapeEntity &shape : shapes) {
             const MeshCounts counts = CountsOf(shape, d.files);
-            estimate.See(counts.Bytes(), shape.loc);
+            estimate.Include(counts.Bytes(), shape.loc);
             estimate.meshes += counts.Bytes();
             estimate.triangles += counts.triangles;
         }

@@ -57,7 +57,7 @@ class Camera {
     /// For cameras whose image wraps around: equivalent film positions outside the film, so that filters reach pixels
     /// at opposite edges. At most the first repetition in each direction. Returns their number.
     using OtherPlaces = std::array<Point2, 8>;
-    virtual int SeenAlsoAt(const Point2 & /*pFilm*/, OtherPlaces &) const { return 0; }
+    virtual int WrappedPositions(const Point2 & /*pFilm*/, OtherPlaces &) const { return 0; }
     std::optional<CameraRay> GenerateRay(const CameraSample &sample, const SampledWavelengths &lambda) const;
     /// Footprint of one of `samplesPerPixel` samples at a point not directly visible: dp/dx, dp/dy from the smallest
     /// differentials over the film, scaled to the spacing of the samples, at least 1/8 of a pixel. The point is taken

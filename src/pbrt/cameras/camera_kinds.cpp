@@ -234,7 +234,7 @@ Float SphericalCamera::WeightInCameraSpace(const Vector3 &d) const {
     return sinTheta > 0 ? pixels / (2 * Pi * Pi * sinTheta * l2) : 0;
 }
 
-int SphericalCamera::SeenAlsoAt(const Point2 &pFilm, OtherPlaces &places) const {
+int SphericalCamera::WrappedPositions(const Point2 &pFilm, OtherPlaces &places) const {
     const Point2 size(Resolution());
     const Float x = pFilm.x / size.x, y = pFilm.y / size.y;
     if (mapping_ == SphericalCameraMapping::EqualArea) {

@@ -153,7 +153,7 @@ class SphericalCamera final : public Camera {
   public:
     SphericalCamera(const CameraFrame &frame, SphericalCameraMapping mapping);
     bool CanConnect() const override { return true; }
-    int SeenAlsoAt(const Point2 &pFilm, OtherPlaces &places) const override;
+    int WrappedPositions(const Point2 &pFilm, OtherPlaces &places) const override;
 
   protected:
     bool GenerateInCameraSpace(const CameraSample &sample, CameraRay *ray) const override;

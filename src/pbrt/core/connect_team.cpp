@@ -52,7 +52,7 @@ std::unique_ptr<Team> ConnectTeam(int threads) {
     return std::make_unique<Team>(std::move(port), threads);
 #else
     (void)threads;
-    return fail("this program was built without MPI, so each would render the whole picture");
+    return fail("this program was built without MPI, so each would render the whole image");
 #endif
 }
 

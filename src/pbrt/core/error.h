@@ -124,10 +124,10 @@ std::string ListChoices(std::string_view given, const std::vector<std::string> &
 /// Choice most similar to `given`; empty if none is similar.
 std::string NearestChoice(std::string_view given, const std::vector<std::string> &choices);
 
-/// Replacement of a pbrt-v3 name, as a prefix for the list of valid choices: "it is of pbrt-v3: ...; ". Empty for other
-/// names. `what`: the directive whose type it is ("Material"), or "directive", "parameter type", "kind of texture",
-/// "parameter".
-std::string V3Hint(std::string_view what, std::string_view name);
+/// What replaces a name of pbrt-v3 or of an earlier version, as a prefix for the list of valid choices: "it is of
+/// pbrt-v3: ...; ". Empty for other names. `what`: the directive whose type it is ("Material"), or "directive",
+/// "parameter type", "kind of texture", "parameter", "suffix" (of a light sampler).
+std::string OldNameHint(std::string_view what, std::string_view name);
 
 }  // namespace pbrt
 

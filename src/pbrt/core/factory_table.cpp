@@ -4,7 +4,7 @@ namespace pbrt {
 
 void ThrowUnknown(const std::string &what, const std::string &given, const std::vector<std::string> &names,
                   const FileLoc &loc) {
-    throw UserError(loc, "{} \"{}\" is unknown; {}{}.", what, Abbreviate(given), V3Hint(what, given),
+    throw UserError(loc, "{} \"{}\" is unknown; {}{}.", what, Abbreviate(given), OldNameHint(what, given),
                     ListChoices(given, names));
 }
 

@@ -55,7 +55,7 @@ void ParamReader::ReportUnused(DiagnosticSink &sink) const {
         }
         std::set<std::string> names;
         for (const Declared &d : declared_) names.insert(d.name);
-        sink.Error(p.loc, "{} of {}; {}{}.", what, set_.What(), V3Hint("parameter", p.name),
+        sink.Error(p.loc, "{} of {}; {}{}.", what, set_.What(), OldNameHint("parameter", p.name),
                    ListChoices(p.name, {names.begin(), names.end()}));
     }
 }

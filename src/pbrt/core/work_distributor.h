@@ -120,11 +120,11 @@ class WorkDistributor {
         team_.Send(0, Team::Channel::Requests, out);
         isWaiting_ = true;
     }
-    Numbers TakeFromCounter(int64_t most) {
+    Numbers TakeFromCounter(int64_t maxCount) {
         std::lock_guard lock(mutex_);
         if (progress_.Cancelled()) left_.begin = left_.end;
         const int64_t begin = left_.begin;
-        left_.begin = std::min(left_.end, begin + most);
+        left_.begin = std::min(left_.end, begin + maxCount);
         return {begin, left_.begin};
     }
 

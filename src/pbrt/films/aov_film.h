@@ -50,7 +50,7 @@ class AovFilm final : public Film {
         const Bounds2i &bounds = PixelBounds();
         RequireMemory(
             double(Frame().PixelCount()) * double(stride_ * sizeof(PreciseSum) + ChannelCount(chosen_) * sizeof(float)),
-            fmt::format("--aov: a picture of {} x {} pixels", bounds.Width(), bounds.Height()), {});
+            fmt::format("--aov: an image of {} x {} pixels", bounds.Width(), bounds.Height()), {});
         sums_.resize(Frame().PixelCount() * stride_);
     }
 

@@ -148,14 +148,14 @@ FilmFrame FilmRequest::Frame(const FilmParams &params, const ParamSet &set, bool
     frame.filename = overrides.filename.empty() ? params.filename : overrides.filename;
     // Before rendering, so that no render is lost.
     const FileLoc loc = overrides.filename.empty() ? set.LocOf("filename") : FileLoc();
-    CheckPictureName(frame.filename, loc);
+    CheckImageName(frame.filename, loc);
     if (onlyExr && LowerExtension(frame.filename) != ".exr")
         throw UserError(loc, "\"{}\": the channels of this film only fit into an .exr file.", frame.filename);
     frame.diagonalMm = params.diagonalMm;
     frame.half = params.half && !overrides.fullFloat;
     const Bounds2i &bounds = frame.pixelBounds;
     RequireMemory(double(bounds.Area()) * bytesPerPixel,
-                  fmt::format("{}: a picture of {} x {} pixels", set.What(), bounds.Width(), bounds.Height()),
+                  fmt::format("{}: an image of {} x {} pixels", set.What(), bounds.Width(), bounds.Height()),
                   set.LocOf("xresolution"));
     return frame;
 }

@@ -46,14 +46,14 @@ Image FalseColor(const Image &image, int channel, const FalseColorStyle &style, 
     auto put = [&](Point2i p, const Rgb &color) {
         for (int c = 0; c < 3; ++c) result.Set(p, c, shown.ToLinear(color[c]));
     };
-    const Float range = style.most > style.least ? style.most - style.least : 1;
+    const Float range = style.max > style.min ? style.max - style.min : 1;
     ForEachPixel(image, [&](Point2i p) {
         const Float v = image.Get(p, channel);
         if (mask && mask->Get(p, 0) == 0) put(p, Rgb(0.13f));
         else if (!std::isfinite(v)) put(p, false_color::Invalid);
         else if (style.scale == Scale::Id) put(p, false_color::OfId(uint64_t(std::llround(v))));
-        else if (style.scale == Scale::Signed) put(p, false_color::Signed(style.most > 0 ? v / style.most : v));
-        else put(p, false_color::Ramp((v - style.least) / range));
+        else if (style.scale == Scale::Signed) put(p, false_color::Signed(style.max > 0 ? v / style.max : v));
+        else put(p, false_color::Ramp((v - style.min) / range));
     });
     for (int y = resolution.y; y < resolution.y + legend; ++y)
         for (int x = 0; x < resolution.x; ++x) {

@@ -18,12 +18,12 @@ inline const Rgb Invalid(1, 0, 1);
 
 struct FalseColorStyle {
     enum class Scale {
-        Ramp,    ///< `least` to `most`
+        Ramp,    ///< `min` to `max`
         Signed,  ///< -most to most
         Id       ///< one unordered colour per number
     };
     Scale scale = Scale::Ramp;
-    Float least = 0, most = 1;
+    Float min = 0, max = 1;
     int legendRows = 0;  ///< height in pixels of the legend bar below the image, low to high; none for Id
 };
 

@@ -224,7 +224,7 @@ std::vector<float> FlipReference::Planes(const Image &image) {
 FlipReference::FlipReference(const Image &reference, bool isHdr) : resolution_(reference.Resolution()) {
     const std::vector<float> planes = Planes(reference);
     if (isHdr) exposures_ = ChooseExposures(planes);
-    for (size_t i = 0; i < std::max(exposures_.size(), size_t(1)); ++i) percepts_.push_back(See(planes, i));
+    for (size_t i = 0; i < std::max(exposures_.size(), size_t(1)); ++i) percepts_.push_back(Perceive(planes, i));
     // Green and blue have the largest distance in sRGB.
     const Colors colors;
     float l[2], a[2], b[2];
@@ -233,7 +233,7 @@ FlipReference::FlipReference(const Image &reference, bool isHdr) : resolution_(r
     largestColorDifference_ = std::pow(double(ColorDistance(l[0] - l[1], a[0] - a[1], b[0] - b[1])), kColorExponent);
 }
 
-FlipReference::Percept FlipReference::See(const std::vector<float> &planes, size_t exposure) const {
+FlipReference::Percept FlipReference::Perceive(const std::vector<float> &planes, size_t exposure) const {
     const size_t n = planes.size() / 3;
     const Colors colors;
     const bool isHdr = !exposures_.empty();
@@ -293,7 +293,7 @@ double FlipReference::Compare(const Image &image, Image *errorImage) const {
     const std::vector<float> planes = Planes(image);
     std::vector<float> flip(planes.size() / 3, 0.f);
     for (size_t e = 0; e < percepts_.size(); ++e) {
-        const Percept percept = See(planes, e);
+        const Percept percept = Perceive(planes, e);
         ParallelFor(flip.size(), 4096, [&](int64_t begin, int64_t end) {
             for (int64_t i = begin; i < end; ++i) flip[i] = std::max(flip[i], Difference(percepts_[e], percept, i));
         });

@@ -96,10 +96,10 @@ ImageFile ReadImage(const std::string &path, std::optional<ColorEncoding> encodi
     });
 }
 
-void CheckPictureName(const std::string &path, const FileLoc &loc) {
+void CheckImageName(const std::string &path, const FileLoc &loc) {
     const std::string extension = LowerExtension(path);
     if (extension != ".exr" && extension != ".png" && extension != ".pfm")
-        throw UserError(loc, "\"{}\": pictures are written as .exr, .png or .pfm.", path);
+        throw UserError(loc, "\"{}\": images are written as .exr, .png or .pfm.", path);
 }
 
 std::string WithSuffix(const std::string &path, const std::string &suffix) {

@@ -76,7 +76,7 @@ class FlipReference {
     };
     /// Linear planes in the order R, G, B.
     static std::vector<float> Planes(const Image &image);
-    Percept See(const std::vector<float> &planes, size_t exposure) const;
+    Percept Perceive(const std::vector<float> &planes, size_t exposure) const;
     float Difference(const Percept &reference, const Percept &test, size_t pixel) const;
 
     Point2i resolution_{0, 0};

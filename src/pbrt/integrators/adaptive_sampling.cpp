@@ -126,13 +126,13 @@ class CellWork {
     /// numbers.
     std::vector<double> Added(const std::vector<double> &variance, int end, int maxGrowth) const {
         const std::vector<double> wanted = Wanted(variance);
-        const auto most = [&](size_t i) {
+        const auto maxAdded = [&](size_t i) {
             return std::min(double(maxGrowth) * before_[i], double(SamplePlan::kMaxCount)) - before_[i];
         };
         double largest = 0, budget = 0;
         for (size_t i = 0; i < wanted.size(); ++i) {
             budget += pixels_[i] * (end - before_[i]);
-            largest = std::max(largest, (most(i) + before_[i]) / wanted[i]);
+            largest = std::max(largest, (maxAdded(i) + before_[i]) / wanted[i]);
         }
         std::vector<double> added(wanted.size());
         // Bisection: the number of samples grows with the scale.
@@ -141,7 +141,7 @@ class CellWork {
             const double scale = step < kBisections ? (low + high) / 2 : high;
             double samples = 0;
             for (size_t i = 0; i < wanted.size(); ++i) {
-                added[i] = std::clamp(scale * wanted[i] - before_[i], 0.0, most(i));
+                added[i] = std::clamp(scale * wanted[i] - before_[i], 0.0, maxAdded(i));
                 samples += pixels_[i] * added[i];
             }
             (samples < budget ? low : high) = scale;

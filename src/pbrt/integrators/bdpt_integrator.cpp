@@ -19,7 +19,7 @@ struct BdptIntegrator::Sample {
 
 BdptIntegrator::BdptIntegrator(const PathContext &context, int maxDepth, bool regularize,
                                std::unique_ptr<LightSampler> connecting, std::unique_ptr<LightSampler> shooting,
-                               std::unique_ptr<StrategyPictures> strategies)
+                               std::unique_ptr<StrategyImages> strategies)
     : context_(context), maxDepth_(maxDepth), regularize_(regularize),
       shooting_(ByPowerUnless(std::move(shooting), context.scene.Lights())), connecting_(std::move(connecting)),
       hasMedia_(context.scene.HasMedia()), observer_(connecting_ ? connecting_->Observer() : nullptr),
@@ -196,7 +196,7 @@ SampledSpectrum BdptIntegrator::TraceCamera(Sample &sample) const {
     Follow(walk, subpath, sample);
     // Contributions before termination of the secondary wavelengths count on the first one only.
     if (!hasMedia_ || !sample.lambda.SecondaryTerminated()) return subpath.L;
-    for (StrategyPictures::Contribution &f : paths.contributions) {
+    for (StrategyImages::Contribution &f : paths.contributions) {
         f.weighted *= f.mean;
         f.unweighted *= f.mean;
     }
@@ -223,7 +223,7 @@ void BdptIntegrator::AddEmission(const PathWalk &walk, Subpath &path, Sample &sa
     });
 }
 
-void BdptIntegrator::Record(const Sample &sample, const StrategyPictures::Contribution &contribution) const {
+void BdptIntegrator::Record(const Sample &sample, const StrategyImages::Contribution &contribution) const {
     sample.paths.contributions.push_back(contribution);
 }
 
@@ -317,30 +317,30 @@ void BdptIntegrator::ConnectToCamera(Sample &sample, int lightVertices, std::vec
     const Point2 uLens = sample.samplers.connections.Get2D();
     const BdptVertex &last = sample.paths.light[lightVertices - 1];
     if (!last.CanConnect()) return;
-    const std::optional<CameraConnection> seen = context_.camera.Connect(last.Position(), uLens, sample.time);
-    if (!seen) return;
-    const SampledSpectrum L = last.beta * last.F(seen->wi, TransportMode::Importance) *
-                              (last.CosineOfLight(seen->wi) * seen->weight * sample.splatUnit);
+    const std::optional<CameraConnection> connection = context_.camera.Connect(last.Position(), uLens, sample.time);
+    if (!connection) return;
+    const SampledSpectrum L = last.beta * last.F(connection->wi, TransportMode::Importance) *
+                              (last.CosineOfLight(connection->wi) * connection->weight * sample.splatUnit);
     if (!L) return;
     LightLiSample lens;
-    lens.wi = seen->wi;
-    lens.pLight = seen->p;
+    lens.wi = connection->wi;
+    lens.pLight = connection->p;
     const ShadowTransmittance through = Passing(sample, last, lens);
     if (!through.value) return;
     // These connections come last: the camera path's camera vertex is not needed afterwards.
     BdptVertex &camera = sample.paths.camera[0];
-    camera.p = seen->p;
-    camera.direction = -seen->wi;
-    const Float cameraPdf = last.AreaPdfOfParallel(seen->weight, seen->wi) / sample.pixels;
+    camera.p = connection->p;
+    camera.direction = -connection->wi;
+    const Float cameraPdf = last.AreaPdfOfParallel(connection->weight, connection->wi) / sample.pixels;
     const Float weight = WeightOf(sample, lightVertices, 1, nullptr, cameraPdf);
     const SampledSpectrum weighted = Passed(sample, L * weight, through, last.ru);
     const auto add = [&](const Point2 &pFilm) {
         splats.push_back({pFilm, weighted});
         if (strategies_) Record(sample, {lightVertices, 1, Passed(sample, L, through, last.ru), weighted, pFilm});
     };
-    add(seen->pFilm);
+    add(connection->pFilm);
     Camera::OtherPlaces places;
-    for (int i = 0, n = context_.camera.SeenAlsoAt(seen->pFilm, places); i < n; ++i) add(places[i]);
+    for (int i = 0, n = context_.camera.WrappedPositions(connection->pFilm, places); i < n; ++i) add(places[i]);
 }
 
 SampledSpectrum BdptIntegrator::TracePair(const PathStart &start, SampledWavelengths &lambda, const Samplers &samplers,

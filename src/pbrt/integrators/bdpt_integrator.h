@@ -2,7 +2,7 @@
 #include <utility>
 #include "pbrt/integrators/bdpt_path.h"
 #include "pbrt/integrators/pixel_integrator.h"
-#include "pbrt/integrators/strategy_pictures.h"
+#include "pbrt/integrators/strategy_images.h"
 #include "pbrt/lightsamplers/light_sampler.h"
 #include "pbrt/transport/shadow_transmittance.h"
 
@@ -20,7 +20,7 @@ class BdptIntegrator final : public PixelIntegrator {
     /// strategy's contribution, for all depths up to maxDepth.
     BdptIntegrator(const PathContext &context, int maxDepth, bool regularize,
                    std::unique_ptr<LightSampler> connecting = nullptr, std::unique_ptr<LightSampler> shooting = nullptr,
-                   std::unique_ptr<StrategyPictures> strategies = nullptr);
+                   std::unique_ptr<StrategyImages> strategies = nullptr);
     bool Render(const RenderPass &pass) override {
         if (strategies_) strategies_->Begin(pass.film);
         const bool isWhole = PixelIntegrator::Render(pass);
@@ -37,9 +37,9 @@ class BdptIntegrator final : public PixelIntegrator {
     void StopLearning() { observer_ = nullptr; }
     const LightSampler *Lights() const override { return connecting_.get(); }
     const LightSampler *EmissionSampler() const override { return shooting_.get(); }
-    bool MakesSidePictures() const override { return strategies_ != nullptr; }
-    std::vector<SidePicture> SidePictures() const override {
-        return strategies_ ? strategies_->Pictures() : std::vector<SidePicture>();
+    bool MakesSideImages() const override { return strategies_ != nullptr; }
+    std::vector<SideImage> SideImages() const override {
+        return strategies_ ? strategies_->Images() : std::vector<SideImage>();
     }
     SampledSpectrum Li(const PathStart &start, SampledWavelengths &lambda, Sampler &sampler) const override;
 
@@ -66,7 +66,7 @@ class BdptIntegrator final : public PixelIntegrator {
         std::vector<const BdptVertex *> path;  ///< scratch of WeightOf
         std::vector<CameraSplat> splats;       ///< scratch of Li
         // For strategy images: contributions, and the number of pairs since the last pass.
-        std::vector<StrategyPictures::Contribution> contributions;
+        std::vector<StrategyImages::Contribution> contributions;
         uint64_t pairs = 0;
         int lightCount = 0, cameraCount = 0;
     };
@@ -91,7 +91,7 @@ class BdptIntegrator final : public PixelIntegrator {
     SampledSpectrum ConnectSubpaths(Sample &sample, int lightVertices, int cameraVertices) const;
     void ConnectToCamera(Sample &sample, int lightVertices, std::vector<CameraSplat> &splats) const;
     /// For strategy images.
-    void Record(const Sample &sample, const StrategyPictures::Contribution &contribution) const;
+    void Record(const Sample &sample, const StrategyImages::Contribution &contribution) const;
     /// MIS weight of the path of the first `lightVertices` and `cameraVertices` vertices of both subpaths. `end`
     /// replaces the first vertex: the emission hit by the camera path, or the sampled light.
     Float WeightOf(Sample &sample, int lightVertices, int cameraVertices, const BdptVertex *end, Float cameraPdf) const;
@@ -103,7 +103,7 @@ class BdptIntegrator final : public PixelIntegrator {
     bool hasMedia_;
     PathObserver *observer_ = nullptr;
     BdptWeights weights_;
-    std::unique_ptr<StrategyPictures> strategies_;
+    std::unique_ptr<StrategyImages> strategies_;
     mutable std::vector<Subpaths> subpaths_;  ///< by ThreadIndex()
 };
 

@@ -51,7 +51,7 @@ struct RenderPass {
 };
 
 /// An image produced in addition to the film's.
-struct SidePicture {
+struct SideImage {
     std::string name;  ///< suffix of the film's file name
     const Film *film = nullptr;
 };
@@ -82,9 +82,9 @@ class Integrator {
     /// Light sampler of light path emission; null if none.
     virtual const LightSampler *EmissionSampler() const { return nullptr; }
     /// True if there are side images. They hold only samples of this process since its start.
-    virtual bool MakesSidePictures() const { return false; }
+    virtual bool MakesSideImages() const { return false; }
     /// Valid after the first pass.
-    virtual std::vector<SidePicture> SidePictures() const { return {}; }
+    virtual std::vector<SideImage> SideImages() const { return {}; }
     /// Learned direction sampling, or null.
     virtual const DirectionSampling *Directions() const { return nullptr; }
 };

@@ -91,17 +91,17 @@ class LightPathIntegrator final : public PixelIntegrator {
         /// Splats radiance `leaving`(wi) from `from`, in the medium `mediumTowards`(wi) on that side, if visible to the
         /// camera.
         void Splat(const LightSampleContext &from, const Point2 &uLens, auto &&mediumTowards, auto &&leaving) {
-            const std::optional<CameraConnection> seen = context_.camera.Connect(from.p, uLens, time_);
-            if (!seen) return;
-            SampledSpectrum radiance = leaving(seen->wi) * (seen->weight * splatUnit_);
+            const std::optional<CameraConnection> connection = context_.camera.Connect(from.p, uLens, time_);
+            if (!connection) return;
+            SampledSpectrum radiance = leaving(connection->wi) * (connection->weight * splatUnit_);
             if (!radiance) return;
             LightLiSample lens;
-            lens.wi = seen->wi;
-            lens.pLight = seen->p;
+            lens.wi = connection->wi;
+            lens.pLight = connection->p;
             if (hasMedia_) {
                 Rng rng(Hash(from.p, lens.wi, lens.pLight));
                 const ShadowTransmittance through =
-                    TraceShadow(context_.scene, from, mediumTowards(seen->wi), lens, lambda_, rng);
+                    TraceShadow(context_.scene, from, mediumTowards(connection->wi), lens, lambda_, rng);
                 if (!through.value) return;
                 weights_.onlyFirst = lambda_.SecondaryTerminated();
                 radiance = radiance * through.value / weights_.Mean(weights_.ru * through.rl);
@@ -109,9 +109,9 @@ class LightPathIntegrator final : public PixelIntegrator {
                 return;
             }
             if (!pass_.keepsSamples) return;
-            AddFilteredSplat(pass_.film, pass_.filter, seen->pFilm, radiance, lambda_);
+            AddFilteredSplat(pass_.film, pass_.filter, connection->pFilm, radiance, lambda_);
             Camera::OtherPlaces places;
-            for (int i = 0, n = context_.camera.SeenAlsoAt(seen->pFilm, places); i < n; ++i)
+            for (int i = 0, n = context_.camera.WrappedPositions(connection->pFilm, places); i < n; ++i)
                 AddFilteredSplat(pass_.film, pass_.filter, places[i], radiance, lambda_);
         }
 

@@ -32,6 +32,8 @@ class PathIntegrator final : public PixelIntegrator {
 
   private:
     SampledSpectrum FollowBsdf(const CameraPathStart &start, SampledWavelengths &lambda, Sampler &sampler) const;
+    /// PrepareContext::tracePath.
+    double TracePath(const PrepareContext &prepare, Point2i pixel, int sample, Sampler &sampler) const;
 
     PathContext context_;
     PathSettings settings_;

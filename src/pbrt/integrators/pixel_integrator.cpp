@@ -50,7 +50,7 @@ bool RenderChunks(const RenderPass &pass, const PassChunks &chunks) {
     const auto doneBefore = [&](int64_t i) { return pass.done ? (*pass.done)[i] : 0; };
     for (int64_t i = 0; pass.done && i < chunks.count; ++i)
         if (pass.done->size() != size_t(chunks.count) || doneBefore(i) > chunks.samplesOf(i))
-            throw UserError("{}: what is left of a pass does not fit the picture.", pass.doneFile);
+            throw UserError("{}: what is left of a pass does not fit the image.", pass.doneFile);
     if (chunks.splat) pass.film.ExpectSplats();
     std::atomic<int64_t> whole = 0;
     std::atomic<uint64_t> paths = 0;

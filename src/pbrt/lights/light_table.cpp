@@ -37,22 +37,22 @@ void LightTable::Finish(const Point3 &sceneCenter, Float sceneRadius) {
     PBRT_CHECK(!byComponent_);
     for (const Entry &entry : lights_) entry.light->Preprocess(sceneCenter, sceneRadius);
     std::vector<double> power(Size());
-    double least = kMaxPower, most = 0;
+    double minPower = kMaxPower, maxPower = 0;
     for (uint32_t i = 0; i < Size(); ++i) {
         const double phi = (*this)[LightId(i)].Phi(SampledWavelengths::WholeRange()).Average();
         if (!(phi > 0)) continue;
         power[i] = std::min(phi, kMaxPower);
-        least = std::min(least, power[i]);
-        most = std::max(most, power[i]);
+        minPower = std::min(minPower, power[i]);
+        maxPower = std::max(maxPower, power[i]);
     }
-    if (most > 0) {
+    if (maxPower > 0) {
         const double radius = sceneRadius > 0 ? double(sceneRadius) : 1;
         unit_ = std::exp2(
-            std::round(std::log2(std::max(least, kMinShare * most)) / 2 + std::log2(most) / 2 - std::log2(radius)));
+            std::round(std::log2(std::max(minPower, kMinShare * maxPower)) / 2 + std::log2(maxPower) / 2 - std::log2(radius)));
     }
     power_.resize(Size());
     for (uint32_t i = 0; i < Size(); ++i)
-        power_[i] = Float(power[i] > 0 ? std::max(power[i], kMinShare * most) / unit_ : 0);
+        power_[i] = Float(power[i] > 0 ? std::max(power[i], kMinShare * maxPower) / unit_ : 0);
     for (LightId id : infinite_)
         if (const EnvironmentLight *light = (*this)[id].Parent().AsEnvironment(); light && !light->Opening())
             environments_.push_back(id);

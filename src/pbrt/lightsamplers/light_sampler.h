@@ -101,13 +101,6 @@ struct SampledLight {
     EnvironmentRegion region{};  ///< of an environment light, from which to sample the point (LightTable::Region)
 };
 
-/// Samples of a pixel in a trial (PrepareContext::trial). Blocks of kPerBlock consecutive results are near each other.
-struct TrialPixel {
-    static constexpr int kPerBlock = 4;
-    double mean = 0, variance = 0;  ///< of a sample's radiance, mean over wavelengths
-    double paths = 0, vertices = 0, shadowRays = 0;
-};
-
 struct PrepareContext {
     const Scene &scene;
     const Camera &camera;
@@ -122,10 +115,11 @@ struct PrepareContext {
     StateReader *learned = nullptr;
     bool learnsOn = true;        ///< false: with `learned`, the render does not update the model
     Team &team = Team::Alone();  ///< processes that prepare the same sampler concurrently
-    /// Extension point: traces a few paths of the render with the sampler as it is, to choose its state by measurement.
-    /// Null if the integrator has no such paths, or the render is too short. The result is empty if cancelled. Same
-    /// numbers at every call.
-    std::function<std::vector<TrialPixel>()> trial{};
+    /// Extension point: traces a camera path of the render with the light sampler in its present state and BSDF
+    /// directions, for choices by measurement. Returns its radiance, mean over wavelengths, times its filter weight; 0
+    /// if that is not finite. `sample`: for the PathObserver; `sampler`: at the start of a pixel sample. Counted in the
+    /// statistics. Null if the integrator has no such paths. Callable concurrently.
+    std::function<double(Point2i pixel, int sample, Sampler &sampler)> tracePath{};
 };
 
 class LightSampler;

@@ -12,6 +12,12 @@ std::unique_ptr<LightSampler> LightSamplerRegistry::Make(const Entry &entry, con
     return entry.make(params, meshLights ? lights.ByLight() : lights.ByComponent());
 }
 
+std::vector<std::string> LightSamplerRegistry::EmissionSamplerNames() const {
+    std::vector<std::string> names = samplers.Names();
+    std::erase_if(names, [&](const std::string &name) { return !samplers.Find(name).traits.isSameEverywhere; });
+    return names;
+}
+
 std::string LightSamplerRegistry::Listing() const {
     return ListingOf(samplers.Document("lightsamplers")) +
            "\n    Every sampler that has no parameter \"meshlights\" takes \"bool meshlights\" of the integrator\n"
@@ -24,7 +30,8 @@ namespace {
 template <class Sampler>
 void AddStock(LightSamplerRegistry &registry, const char *name, const char *summary, bool isSameEverywhere) {
     auto make = [](NoParams, const ParamSet &, const LightGroups &groups) { return std::make_unique<Sampler>(groups); };
-    registry.samplers.Add<NoParams>(name, summary, make, {.takesGroups = true, .isSameEverywhere = isSameEverywhere});
+    registry.samplers.Add<NoParams>(name, summary, make,
+                                    {.takesGroups = true, .isSameEverywhere = isSameEverywhere, .isStock = true});
 }
 
 }  // namespace

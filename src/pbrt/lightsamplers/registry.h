@@ -13,6 +13,11 @@ struct LightSamplerTraits {
     bool takesGroups = false;
     /// True if its probabilities do not depend on the query, so it can select where light paths start.
     bool isSameEverywhere = false;
+    bool isStock = false;  ///< stock pbrt-v4 has it
+    /// True if it measures what selection could reach, at any cost.
+    bool isInstrument = false;
+    /// "key=value,..." of an example in the help text; null: none.
+    const char *example = nullptr;
 };
 
 /// Light samplers by name, for scenes and the command line. An object filled by explicit calls, not a global.
@@ -35,6 +40,8 @@ class LightSamplerRegistry {
     /// `meshLights`: an emissive mesh is one light for selection; only for entries that take groups.
     std::unique_ptr<LightSampler> Make(const Entry &entry, const LightTable &lights, const ParamSet &params,
                                        bool meshLights) const;
+    /// Samplers that can select where light paths start.
+    std::vector<std::string> EmissionSamplerNames() const;
     /// Text of --list-lightsamplers and of docs/reference/lightsamplers.md.
     std::string Listing() const;
 };

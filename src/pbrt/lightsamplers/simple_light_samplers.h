@@ -20,11 +20,8 @@ class UniformLightSampler final : public GroupLightSampler {
 /// Selects in proportion to LightCandidate::power; uniformly if no group has power.
 class PowerLightSampler : public GroupLightSampler {
   public:
-    explicit PowerLightSampler(const LightGroups &groups) : GroupLightSampler(groups, true) {
-        std::vector<Float> power;
-        for (uint32_t g = 0; g < groups.Size(); ++g) power.push_back(groups.Candidate(g).power);
-        if (!power.empty()) table_ = AliasTable(power);
-    }
+    explicit PowerLightSampler(const LightGroups &groups)
+        : GroupLightSampler(groups, true), table_(TableByPower(groups)) {}
     std::optional<ChosenGroup> ChooseGroup(const LightQuery &query, const void *, Float u) const final {
         const AliasTable::Sampled s = table_.Sample(u);
         return ChosenGroup{uint32_t(s.index), s.pmf, InnerNumber(query, u)};
@@ -35,6 +32,12 @@ class PowerLightSampler : public GroupLightSampler {
     void Report(nlohmann::ordered_json &json) const override;
 
   protected:
+    static AliasTable TableByPower(const LightGroups &groups) {
+        std::vector<Float> power;
+        for (uint32_t g = 0; g < groups.Size(); ++g) power.push_back(groups.Candidate(g).power);
+        return power.empty() ? AliasTable() : AliasTable(power);
+    }
+
     AliasTable table_;
 };
 

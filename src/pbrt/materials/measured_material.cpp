@@ -106,9 +106,9 @@ class Reader {
         const std::vector<Float> &values = Get(name, slices.size() + 2).values;
         const size_t perSlice = values.size() / grid.Count();
         for (auto slice = values.begin(); slice != values.end(); slice += perSlice) {
-            const auto [least, most] = std::minmax_element(slice, slice + perSlice);
-            if (*least < 0) Fail(name, "holds a negative value");
-            if (!(*most > 0)) Fail(name, "is 0 everywhere for some direction");
+            const auto [min, max] = std::minmax_element(slice, slice + perSlice);
+            if (*min < 0) Fail(name, "holds a negative value");
+            if (!(*max > 0)) Fail(name, "is 0 everywhere for some direction");
         }
         return grid;
     }

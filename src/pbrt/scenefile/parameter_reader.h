@@ -110,7 +110,7 @@ class ParameterReader {
         if (*known) param.type = static_cast<ParamType>(type - kParamTypeNames.begin());
         else
             sink_.Error(param.loc, "\"{}\": unknown parameter type \"{}\"; {}{}.", Abbreviate(token.text),
-                        Abbreviate(typeWord), V3Hint("parameter type", typeWord),
+                        Abbreviate(typeWord), OldNameHint("parameter type", typeWord),
                         ListChoices(typeWord, {kParamTypeNames.begin(), kParamTypeNames.end()}));
         return param;
     }

@@ -143,8 +143,8 @@ class DirectiveReader {
         for (const auto &[known, directive] : Directives()) words.emplace_back(known);
         std::sort(words.begin(), words.end());
         const std::string shown = Abbreviate(word.text);
-        std::string message =
-            fmt::format("Unknown directive: {}; {}{}.", shown, V3Hint("directive", shown), ListChoices(shown, words));
+        std::string message = fmt::format("Unknown directive: {}; {}{}.", shown, OldNameHint("directive", shown),
+                                          ListChoices(shown, words));
         constexpr int kMax = 5;
         if (++unknownWords_ == kMax) arguments_.Fail(word, message + " Too many unknown directives: giving up here.");
         Error(word, message);
@@ -176,7 +176,7 @@ class DirectiveReader {
     std::optional<size_t> Choose(const Token &word, const char *what, const std::vector<std::string> &choices) {
         const auto found = std::find(choices.begin(), choices.end(), word.text);
         if (found != choices.end()) return found - choices.begin();
-        Error(word, fmt::format("Unknown {} \"{}\"; {}{}.", what, Abbreviate(word.text), V3Hint(what, word.text),
+        Error(word, fmt::format("Unknown {} \"{}\"; {}{}.", what, Abbreviate(word.text), OldNameHint(what, word.text),
                                 ListChoices(word.text, choices)));
         return {};
     }

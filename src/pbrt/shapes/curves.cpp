@@ -110,8 +110,8 @@ void Curves::AddPieces(const Segment &segment, size_t index, std::vector<Piece> 
         return sum;
     };
     uint32_t log2Count = 0;
-    const auto most = uint32_t(std::clamp(segment.splitDepth, 0, 3));
-    for (Float now = surface(0); log2Count < most; ++log2Count) {
+    const auto maxLog2Count = uint32_t(std::clamp(segment.splitDepth, 0, 3));
+    for (Float now = surface(0); log2Count < maxLog2Count; ++log2Count) {
         Float next = surface(log2Count + 1);
         if (next > Float(0.7) * now) break;
         now = next;

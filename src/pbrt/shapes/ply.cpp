@@ -241,10 +241,10 @@ void SkipProperty(Reader &body, const Property &p) {
 
 /// Rejects counts that the file cannot hold, before memory is reserved.
 void CheckCount(const Reader &body, const Element &e) {
-    size_t least = 0;
+    size_t minBytes = 0;
     for (const Property &p : e.properties)
-        least += body.Format() == Encoding::Ascii ? 2 : SizeOf(p.isList ? p.countType : p.type);
-    if (least > 0 && e.count > (body.BytesLeft() + 1) / least)
+        minBytes += body.Format() == Encoding::Ascii ? 2 : SizeOf(p.isList ? p.countType : p.type);
+    if (minBytes > 0 && e.count > (body.BytesLeft() + 1) / minBytes)
         body.Fail("the file ends too early for {} items of element \"{}\"", e.count, e.name);
 }
 

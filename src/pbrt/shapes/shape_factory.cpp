@@ -288,14 +288,16 @@ struct CylinderParams : QuadricParams {
 
 /// Requires shapes within kCoordinateRange and, where traced in object space, a non-singular transform.
 template <class P, class F>
-void AddShape(ShapeTable &table, const char *name, const char *summary, bool isTracedInObjectSpace, F make) {
-    table.Add<P>(name, summary, [make, isTracedInObjectSpace](P p, const ParamSet &set, const ShapeContext &context) {
+void AddShape(ShapeTable &table, const char *name, const char *summary, bool isTracedInObjectSpace, F make,
+              ShapeTraits traits = {}) {
+    const auto makeChecked = [make, isTracedInObjectSpace](P p, const ParamSet &set, const ShapeContext &context) {
         if (isTracedInObjectSpace && context.renderFromObject.IsSingular())
             throw set.Error("", "the current transformation flattens the shape (its matrix is singular).");
         ShapeList shapes = make(std::move(p), set, context);
         for (const auto &shape : shapes) RequireReach(set.What(), *shape, set.Loc());
         return shapes;
-    });
+    };
+    table.Add<P>(name, summary, makeChecked, traits);
 }
 
 }  // namespace
@@ -315,7 +317,7 @@ const ShapeTable &Shapes() {
         AddShape<PlyMeshParams>(t, "plymesh",
                                 "displacement **differs**, see below; more than 33 million triangles of one displaced "
                                 "mesh are an error",
-                                false, MakePlyMesh);
+                                false, MakePlyMesh, {.isDisplaceable = true});
         AddShape<SphereParams>(t, "sphere", "as lights **differs** when scaled, see below", true,
                                [](const SphereParams &p, const ParamSet &, auto &c) {
                                    ShapeList shapes;

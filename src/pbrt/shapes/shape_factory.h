@@ -22,7 +22,10 @@ struct ShapeContext {
 
 /// A plymesh with triangles and quads yields two shapes, unless displaced.
 using ShapeList = std::vector<std::unique_ptr<Shape>>;
-using ShapeTable = FactoryTable<ShapeList, const ShapeContext>;
+struct ShapeTraits {
+    bool isDisplaceable = false;  ///< by a texture (ShapeContext::displacement)
+};
+using ShapeTable = FactoryTable<ShapeList, const ShapeContext, ShapeTraits>;
 const ShapeTable &Shapes();
 
 }  // namespace pbrt

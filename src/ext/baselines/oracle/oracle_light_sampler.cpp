@@ -53,7 +53,7 @@ Float Fraction(double v) { return std::min(Float(v - std::floor(v)), OneMinusEps
 
 }  // namespace
 
-bool LeastVariancePmf(std::span<const LightPoint> points, std::span<double> pmf) {
+bool MinVariancePmf(std::span<const LightPoint> points, std::span<double> pmf) {
     const size_t lights = pmf.size(), perLight = lights ? points.size() / lights : 0;
     auto of = [&](size_t light) { return points.subspan(light * perLight, perLight); };
     auto root = [&](size_t light) {
@@ -69,21 +69,21 @@ bool LeastVariancePmf(std::span<const LightPoint> points, std::span<double> pmf)
     if (!anyRatio || lights == 1) return true;
 
     for (int step = 0; step < kMaxSteps; ++step) {
-        double sum = 0, least = std::numeric_limits<double>::infinity(), most = 0;
+        double sum = 0, smallest = std::numeric_limits<double>::infinity(), largest = 0;
         for (size_t l = 0; l < lights; ++l) {
             double p = pmf[l], gain = 0;
             if (!(p > 0)) continue;
             for (const LightPoint &y : of(l)) gain += Square(y.value) * Gain(p, double(y.ratio));
             double target = std::sqrt(gain);  // unnormalized
             if (p > kTolerance) {
-                least = std::min(least, target / p);
-                most = std::max(most, target / p);
+                smallest = std::min(smallest, target / p);
+                largest = std::max(largest, target / p);
             }
             // Half a step in the logarithm: a full step can oscillate around the minimum.
             sum += pmf[l] = std::sqrt(p * target);
         }
         for (size_t l = 0; l < lights; ++l) pmf[l] /= sum;
-        if (most <= least * (1 + kTolerance)) break;
+        if (largest <= smallest * (1 + kTolerance)) break;
     }
     return true;
 }
@@ -141,7 +141,7 @@ const Float *OracleLightSampler::Measure(const LightQuery &query, LightMemory &m
     measured_.fetch_add(1, std::memory_order_relaxed);
     counters = before;
 
-    if (!LeastVariancePmf(points, pmf)) return nullptr;
+    if (!MinVariancePmf(points, pmf)) return nullptr;
     auto *cdf = memory.Make<Float>(groupCount);
     double running = 0;
     size_t last = 0;
@@ -191,7 +191,7 @@ void OracleLightSampler::Report(nlohmann::ordered_json &report) const {
     report["note"] =
         "The oracle is a measuring instrument; its render time is not comparable with that of other light samplers.";
     GroupLightSampler::Report(report);
-    report["mostShadowRaysPerVertex"] = scene_ ? groups_.Size() * params_.samples : 0;
+    report["maxShadowRaysPerVertex"] = scene_ ? groups_.Size() * params_.samples : 0;
     report["ownShadowRays"] = rays;
     report["ownShadowRaysPerVertex"] = measured ? double(rays) / double(measured) : 0.0;
 }
@@ -202,5 +202,6 @@ void register_oracle(pbrt::PluginRegistry &registry) {
     using namespace ext;
     registry.Add<OracleLightSampler, OracleParams>(
         "oracle",
-        "measuring instrument, slow: traces shadow rays to every light at every point for the choice of least variance");
+        "measuring instrument, slow: traces shadow rays to every light at every point for the choice of least variance",
+        {.isInstrument = true});
 }

@@ -28,7 +28,7 @@ struct LightPoint {
 ///
 /// Writes probabilities that sum to 1 to `pmf` (one per light). Returns false and leaves `pmf` unchanged if all values
 /// are 0 or their sum overflows.
-bool LeastVariancePmf(std::span<const LightPoint> points, std::span<double> pmf);
+bool MinVariancePmf(std::span<const LightPoint> points, std::span<double> pmf);
 
 struct OracleParams {
     int samples = 32;
@@ -52,7 +52,7 @@ struct OracleParams {
 
 /// A reference for measurements, not for rendering: errors of other samplers are compared with its error. At every
 /// shading point it traces shadow rays to every light and selects with the probabilities that minimize the variance of
-/// direct lighting (LeastVariancePmf; values are root mean squares over the wavelengths). Points on a light, primitives
+/// direct lighting (MinVariancePmf; values are root mean squares over the wavelengths). Points on a light, primitives
 /// in a mesh (MeshInterior, as in the octree) and paths are sampled as by others, so an image can have less error
 /// (docs/method/baselines.md). The fraction `floor` goes to the unoccluded estimate (EmitterTree), so that unreached
 /// lights can be selected and the image is unbiased.

@@ -73,8 +73,8 @@ std::vector<double> SpatialLightSampler::UnshadowedContributions(uint32_t voxel)
 
 std::vector<double> SpatialLightSampler::Weights(uint32_t voxel) const {
     std::vector<double> f = UnshadowedContributions(voxel);
-    double least = std::accumulate(f.begin(), f.end(), 0.0) / double(f.size()) * double(params_.floor);
-    for (double &v : f) v = std::max(v, least);
+    double minimum = std::accumulate(f.begin(), f.end(), 0.0) / double(f.size()) * double(params_.floor);
+    for (double &v : f) v = std::max(v, minimum);
     return f;
 }
 

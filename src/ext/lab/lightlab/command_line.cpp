@@ -14,7 +14,7 @@ namespace {
 
 const char *const kAbout =
     "Compares light samplers at equal time or equal samples. Renders the scene with each of several light samplers,\n"
-    "measures them against a reference, checks them for bias, and writes tables, pictures, charts and one page,\n"
+    "measures them against a reference, checks them for bias, and writes tables, images, charts and one page,\n"
     "report.html, into a folder.\n\n"
     "  lightlab scene.pbrt --time 20                    20 s for every sampler and seed, preparation included\n"
     "  lightlab scene.pbrt --spp 64 --seeds 5           64 samples per pixel for every sampler and seed\n"
@@ -92,7 +92,7 @@ std::optional<int> ParseNoise(int argc, const char *const *argv, const std::vect
     AddFlags(app, "Options",
              {{"--samplers", samplers, "list of samplers (" + samplers + ")"},
               {"--spp", c.samplesPerPixel, "samples per pixel (32)", PositiveNumber},
-              {"--seeds", c.seeds, "independent pictures of each kind, for the variance (6)", CLI::Range(2, 1000)},
+              {"--seeds", c.seeds, "independent images of each kind, for the variance (6)", CLI::Range(2, 1000)},
               {"--divisor", c.resolutionDivisor, "divides the resolution (1)", PositiveNumber},
               {"--maxdepth", c.maxDepth, "scattering events per path (the scene's)", PositiveNumber},
               {"--out", c.outFolder, "folder (<scene name>-noise)"},
@@ -126,7 +126,7 @@ void AddAllFlags(CLI::App &app, LightlabOptions &o, RawFlags &raw, const std::ve
          {"--nthreads", o.threads, "threads (0: all cores)", NonNegativeNumber},
          {"--selection-work", c.selectionWork,
           "most lights drawn for every sampler in the bias check of light selection at vertices of paths (1e8, some "
-          "10 to 50 s; 0: only pictures are checked)",
+          "10 to 50 s; 0: only images are checked)",
           NonNegativeNumber}});
     AddFlags(
         app, "Scene",
@@ -136,7 +136,7 @@ void AddAllFlags(CLI::App &app, LightlabOptions &o, RawFlags &raw, const std::ve
           "leave out lights seen directly or by specular reflection, and caustics, which no light sampler affects"},
          {"--divisor", c.resolutionDivisor, "divides the resolution (1)", PositiveNumber}});
     AddFlags(app, "Reference",
-             {{"--reference", c.referenceFile, "picture to compare with instead of rendering one"},
+             {{"--reference", c.referenceFile, "image to compare with instead of rendering one"},
               {"--reference-spp", c.referenceSamples, "samples per pixel of a rendered reference", PositiveNumber},
               {"--cache", c.cacheFolder,
                "folder that keeps rendered references for later experiments ($XDG_CACHE_HOME/pbrt_octree or "
@@ -147,7 +147,7 @@ void AddAllFlags(CLI::App &app, LightlabOptions &o, RawFlags &raw, const std::ve
          {"--crops", raw.crops, "parts shown enlarged, x0,y0,x1,y1;... in pixels (where samplers differ most)"},
          {"--restart", c.restart, "delete the records in the folder and start again"},
          {"--samples-from", c.samplesFrom,
-          "results.json: render the sample counts recorded there, so that a --time experiment gives the same pictures "
+          "results.json: render the sample counts recorded there, so that a --time experiment gives the same images "
           "again"},
          {"--no-report", raw.noReport, "no inspection views, no charts and no report.html"},
          {"--quiet", o.quiet, "no progress and no warnings; results and errors only"}});

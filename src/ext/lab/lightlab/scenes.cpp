@@ -141,7 +141,7 @@ std::string Page(const std::string &folder, const std::vector<SceneOutcome> &out
     std::string page = std::string(kPageHead) + kHead;
     page += fmt::format(
         "<h1>{} scenes</h1>\n<p class=\"soft\">{}. ★: the winner, where the conclusion names one. Red: biased. Each "
-        "picture leads to the scene's report.</p>\n<div class=\"wide\"><table id=\"scenes\">\n<thead><tr><th></th>"
+        "image leads to the scene's report.</p>\n<div class=\"wide\"><table id=\"scenes\">\n<thead><tr><th></th>"
         "<th>scene</th>",
         outcomes.size(), EscapeHtml(Legend(outcomes)));
     for (const std::string &label : grid.Labels()) page += "<th class=\"number\">" + EscapeHtml(label) + "</th>";

@@ -159,7 +159,7 @@ void AddBloom(CLI::App &app, Action &action) {
               CLI::Range(1, 1 << 12))
              .ShowDefault(),
          Flag("--iterations", o.iterations,
-              "How often the bright pixels are blurred; the mean of all these pictures is added", CLI::Range(1, 1000))
+              "How often the bright pixels are blurred; the mean of all these images is added", CLI::Range(1, 1000))
              .ShowDefault(),
          Flag("--scale", o.scale, "What is added is multiplied by this", CLI::NonNegativeNumber).ShowDefault()});
 }

@@ -53,13 +53,13 @@ int Assemble(const AssembleOptions &o) {
             counts.assign(size_t(resolution.x) * resolution.y, 0);
         }
         if (resolution != whole.image.Resolution())
-            throw UserError("Parts of different pictures: {} belongs to a picture of {}, {} to one of {} x {}.",
+            throw UserError("Parts of different images: {} belongs to an image of {}, {} to one of {} x {}.",
                             o.paths[0], SizeText(whole.image), path, resolution.x, resolution.y);
         if (part.image.Channels() != whole.image.Channels() || &SpaceOf(part) != &SpaceOf(whole))
             throw UserError("{} and {} have different channels or colour spaces.", o.paths[0], path);
         const Bounds2i &window = *m.pixelBounds;
         if (window.low.x < 0 || window.low.y < 0 || window.high.x > resolution.x || window.high.y > resolution.y)
-            throw UserError("{}: its pixels ({}) reach beyond the picture of {} x {}.", path, WindowText(part),
+            throw UserError("{}: its pixels ({}) reach beyond the image of {} x {}.", path, WindowText(part),
                             resolution.x, resolution.y);
         ForEachPixel(part.image, [&](Point2i p) {
             const Point2i at = p + window.low;
@@ -82,7 +82,7 @@ struct MergeOptions {
     bool incomplete = false;
 };
 
-constexpr const char *kIncomplete = ", and --incomplete makes the picture of the samples that there are";
+constexpr const char *kIncomplete = ", and --incomplete makes the image of the samples that there are";
 
 struct Part {
     std::string path;
@@ -144,7 +144,7 @@ int CheckCover(const std::vector<Part> &parts, bool incomplete) {
 }
 
 int Merge(const MergeOptions &o) {
-    CheckPictureName(o.outfile, {});
+    CheckImageName(o.outfile, {});
     std::vector<Part> parts;
     for (const std::string &path : o.paths) {
         parts.push_back(ReadPart(path, o.incomplete));
@@ -182,15 +182,15 @@ void AddAverage(CLI::App &app, Action &action) {
 }
 
 void AddAssemble(CLI::App &app, Action &action) {
-    auto [command, o] = AddCommand(app, action, Assemble, "assemble", "Join parts of one picture",
+    auto [command, o] = AddCommand(app, action, Assemble, "assemble", "Join parts of one image",
                                    "Example: imgtool assemble left.exr right.exr --outfile whole.exr");
     AddFlags(command,
              {Flag("files", o.paths, "Parts: .exr files with data windows").Required(), OutfileFlag(o.outfile)});
 }
 
 void AddMerge(CLI::App &app, Action &action) {
-    auto [command, o] = AddCommand(app, action, Merge, "merge", "Make the picture from the parts of a render",
-                                   "Example: imgtool merge picture.exr part-*.chk");
+    auto [command, o] = AddCommand(app, action, Merge, "merge", "Make the image from the parts of a render",
+                                   "Example: imgtool merge image.exr part-*.chk");
     AddFlags(
         command,
         {Flag("outfile", o.outfile, "Picture: .exr, .png or .pfm").Required().Type("FILE"),
@@ -199,7 +199,7 @@ void AddMerge(CLI::App &app, Action &action) {
               "have every sample once")
              .Required()
              .Type("PART..."),
-         {"--incomplete", o.incomplete, "Make the picture of the samples that there are, although some are missing"}});
+         {"--incomplete", o.incomplete, "Make the image of the samples that there are, although some are missing"}});
 }
 
 }  // namespace pbrt::imgtool

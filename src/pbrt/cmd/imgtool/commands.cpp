@@ -84,7 +84,7 @@ void ApplyCrop(ImageFile &file, const std::vector<int> &n, const std::string &pa
 Flag CropFlag(std::vector<int> &numbers) {
     return Flag("--crop", numbers,
                 "Only these pixels: columns x0 up to x1, rows y0 up to y1 (ends excluded), counted in the whole "
-                "picture also if the file has a part of it")
+                "image also if the file has a part of it")
         .Count(4)
         .Type("x0,x1,y0,y1");
 }
@@ -107,7 +107,7 @@ void CheckComparable(const ImageFile &a, const std::string &pathA, const ImageFi
                         SizeText(b.image));
     // Formats other than EXR store no window.
     if (a.metadata.pixelBounds && b.metadata.pixelBounds && WindowOf(a).low != WindowOf(b).low)
-        throw UserError("Different parts of a picture: {} has {}, {} has {} (ends excluded).", pathA, WindowText(a),
+        throw UserError("Different parts of an image: {} has {}, {} has {} (ends excluded).", pathA, WindowText(a),
                         pathB, WindowText(b));
     if (&SpaceOf(a) != &SpaceOf(b))
         throw UserError("Different colour spaces: {} has {}, {} has {}.", pathA, SpaceOf(a).Name(), pathB,

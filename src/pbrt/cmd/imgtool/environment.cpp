@@ -44,7 +44,7 @@ int Makeequiarea(const MakeequiareaOptions &o) {
     const ImageFile file = ReadAsFloat(o.path);
     const Point2i size = file.image.Resolution();
     if (file.metadata.fullResolution && *file.metadata.fullResolution != size)
-        throw UserError("{}: has a part of a picture of {} x {} pixels; the whole sphere is needed.", o.path,
+        throw UserError("{}: has a part of an image of {} x {} pixels; the whole sphere is needed.", o.path,
                         file.metadata.fullResolution->x, file.metadata.fullResolution->y);
     if (size.x != 2 * size.y)
         LogWarning("{}: a latitude-longitude image is twice as wide as high; this one has {}.", o.path,

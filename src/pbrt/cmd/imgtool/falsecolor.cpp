@@ -17,7 +17,7 @@ constexpr int kLegendRows = 16;
 constexpr int kShown = 99;  // percentile of the default range
 
 struct Range {
-    Float most = 1, largest = 0;
+    Float max = 1, largest = 0;
 };
 
 // With the maximum, a few bright pixels would turn all others black.
@@ -27,7 +27,7 @@ Range ChooseRange(std::vector<Float> values) {
     const auto at = values.begin() + ((values.size() * kShown + 99) / 100 - 1);
     std::nth_element(values.begin(), at, values.end());
     range.largest = *std::max_element(at, values.end());
-    range.most = *at > 0 ? *at : range.largest > 0 ? range.largest : 1;
+    range.max = *at > 0 ? *at : range.largest > 0 ? range.largest : 1;
     return range;
 }
 
@@ -42,7 +42,7 @@ int Falsecolor(const FalsecolorOptions &o) {
     FalseColorStyle style;
     style.scale = o.plusMinus ? FalseColorStyle::Scale::Signed : FalseColorStyle::Scale::Ramp;
     const Range range = ChooseRange(std::move(sizes));
-    style.most = o.maxValue.value_or(range.most);
+    style.max = o.maxValue.value_or(range.max);
     style.legendRows = o.ramp ? kLegendRows : 0;
     ImageMetadata metadata;
     if (!o.ramp) {
@@ -50,8 +50,8 @@ int Falsecolor(const FalsecolorOptions &o) {
         metadata.fullResolution = file.metadata.fullResolution;
     }
     WriteImage(o.outfile, FalseColor(mean, 0, style), metadata);
-    fmt::print("{}: {} to {}", o.outfile, o.plusMinus ? -style.most : 0, style.most);
-    if (!o.maxValue && range.largest > style.most)
+    fmt::print("{}: {} to {}", o.outfile, o.plusMinus ? -style.max : 0, style.max);
+    if (!o.maxValue && range.largest > style.max)
         fmt::print(", which {} % of the pixels do not exceed; the largest value is {}", kShown, range.largest);
     fmt::print("\n");
     return 0;

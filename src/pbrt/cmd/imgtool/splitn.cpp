@@ -84,8 +84,8 @@ int Splitn(const SplitnOptions &o) {
 
 void AddSplitn(CLI::App &app, Action &action) {
     auto [command, o] =
-        AddCommand(app, action, Splitn, "splitn", "One picture in strips of several images, with crops of each below",
-                   "Example: imgtool splitn bvh.exr octree.exr --crop 120,40 --cropsize 64 --outfile compare.png");
+        AddCommand(app, action, Splitn, "splitn", "One image in strips of several images, with crops of each below",
+                   "Example: imgtool splitn bvh.exr power.exr --crop 120,40 --cropsize 64 --outfile compare.png");
     AddFlags(command, {Flag("files", o.paths, "Images of one size; the first gives the leftmost strip").Required(),
                        OutfileFlag(o.outfile)});
     command

@@ -80,7 +80,7 @@ void CheckKeeping(const CommandLine &o) {
     if (o.timeBudget > 0) fail("--samples and --time exclude each other");
     if (o.build.adaptive || o.noise > 0)
         fail("--samples excludes --adaptive and --noise: parts of a render take the same samples of all pixels");
-    if (o.writePartialImages) fail("--samples and --write-partial-images exclude each other: a part makes no picture");
+    if (o.writePartialImages) fail("--samples and --write-partial-images exclude each other: a part makes no image");
     if (!o.saveLights.empty()) fail("--samples and --save-lights exclude each other: a part lacks samples");
 }
 
@@ -91,13 +91,14 @@ FlagHints StockFlags() {
     };
     add({"gpu", "gpudevice", "wavefront"}, "this program renders on the CPU only; leave the flag out");
     add({"interactive", "fullscreen"},
-        "this program opens no window; --serve and --display-server show the picture as it grows");
+        "this program opens no window; --serve and --display-server show the image as it grows");
     add({"loglevel", "logfile", "logutilization"},
         "this program writes no log; --quiet prints errors only, --stats statistics");
     add({"upgrade", "format", "toply"},
         "this program only renders; the pbrt of pbrt-v4 converts scene files with this flag");
     add({"pixelmaterial", "pixelstats", "debugstart", "disableimagetextures"},
         "this program has nothing like it; leave the flag out");
+    add({"shadowgate"}, "it was removed (docs/develop/negative-results.md); leave the flag out");
     return hints;
 }
 
@@ -108,7 +109,17 @@ struct RawFlags {
     double memoryLimitMb = 0;
 };
 
-void AddAllFlags(CLI::App &app, CommandLine &o, RawFlags &raw) {
+/// Lines of the help text.
+std::string LightSamplerExamples(const PluginRegistry &registry) {
+    std::string text = "  pbrt --lightsampler bvh+mesh --spp 64 --outfile out.exr scene.pbrt\n";
+    for (const std::string &name : registry.samplers.Names())
+        if (const char *example = registry.samplers.Find(name).traits.example)
+            text += fmt::format("  pbrt --lightsampler {}:{} scene.pbrt\n", name, example);
+    if (!registry.directionSamplings.Names().empty()) text += "  pbrt --lightsampler bvh+mesh+guide scene.pbrt\n";
+    return text;
+}
+
+void AddAllFlags(CLI::App &app, const PluginRegistry &registry, CommandLine &o, RawFlags &raw) {
     BuildOptions &build = o.build;
     app.add_option("scene", o.sceneFiles,
                    "scene files, parsed one after the other as one scene; none or \"-\": standard input");
@@ -123,7 +134,7 @@ void AddAllFlags(CLI::App &app, CommandLine &o, RawFlags &raw) {
          Flag(
              "--aov", build.film.aovs,
              fmt::format(
-                 "auxiliary channels, mostly of the first visible surface, added to the picture of any film, separated "
+                 "auxiliary channels, mostly of the first visible surface, added to the image of any film, separated "
                  "by commas: {}; denoisers read these names",
                  fmt::join(AovNames(), ", ")),
              CLI::IsMember(AovNames()))
@@ -134,9 +145,9 @@ void AddAllFlags(CLI::App &app, CommandLine &o, RawFlags &raw) {
     const char *watching = "Watching";
     AddFlags(app, watching,
              {{"--display-server", o.displayServer,
-               "HOST:PORT of a viewer with tev's protocol (tev uses localhost:14158): shows the picture as it grows"}});
+               "HOST:PORT of a viewer with tev's protocol (tev uses localhost:14158): shows the image as it grows"}});
     app.add_flag("--serve", raw.port,
-                 "page for a browser on this machine: the picture as it grows, its error so far, time left; --serve "
+                 "page for a browser on this machine: the image as it grows, its error so far, time left; --serve "
                  "PORT or --serve=PORT, 0: any free port")
         ->group(watching);
 
@@ -175,11 +186,11 @@ void AddAllFlags(CLI::App &app, CommandLine &o, RawFlags &raw) {
           "larger --spp or --time than before continues the render"},
          {"--samples", raw.samples,
           "FIRST:END: render only these samples of every pixel, from FIRST up to END - 1, into the --checkpoint file, "
-          "without a picture; imgtool merge makes the picture from all parts"},
+          "without an image; imgtool merge makes the image from all parts"},
          {"--save-lights", o.saveLights,
           "file for the records of the light sampler and the path guide at the end of the render"},
          {"--load-lights", o.loadLights,
-          "choose lights and guide paths by the records of another render, without learning: for parts of one picture, "
+          "choose lights and guide paths by the records of another render, without learning: for parts of one image, "
           "and frames of an animation with static lights; like --save-lights, renders in world coordinates"}});
 
     const char *lights = "Light selection";
@@ -188,8 +199,9 @@ void AddAllFlags(CLI::App &app, CommandLine &o, RawFlags &raw) {
                "method that chooses the light for a shadow ray, see below; overrides the scene"},
               {"--mesh-lights", build.meshLights, "the same as +mesh: an emissive mesh is one light"},
               {"--shooting-sampler", build.shootingSampler,
-               "name[:key=value,...] of the light sampler that chooses where light paths begin (bdpt, mlt, lightpath, "
-               "sppm): power, uniform or seen; overrides the scene"}});
+               fmt::format("name[:key=value,...] of the light sampler that chooses where light paths begin (bdpt, mlt, "
+                           "lightpath, sppm): {}; overrides the scene",
+                           fmt::join(registry.EmissionSamplerNames(), ", "))}});
     app.add_flag_callback(
            "--list-lightsamplers", [&o] { o.list = "lightsamplers"; }, "the same as --list lightsamplers")
         ->group(lights);
@@ -225,29 +237,29 @@ void AddAllFlags(CLI::App &app, CommandLine &o, RawFlags &raw) {
 
 }  // namespace
 
-std::optional<int> ParseCommandLine(int argc, const char *const *argv, CommandLine *options) {
+std::optional<int> ParseCommandLine(int argc, const char *const *argv, const PluginRegistry &registry,
+                                    CommandLine *options) {
     CommandLine &o = *options;
     o.text = JoinArguments(argc, argv);
 
     CLI::App app(
-        "Renders pbrt-v4 scene files. An independent renderer compatible with pbrt-v4 scenes, made for\n"
-        "choosing the right light at every shading point.\n\n"
-        "  pbrt scene.pbrt                              with the settings of the scene\n"
-        "  pbrt --lightsampler octree scene.pbrt        lights chosen by the visibility octree\n"
-        "  pbrt --lightsampler octree:budget=0.02,floor=0.1 --spp 64 --outfile out.exr scene.pbrt\n"
-        "  pbrt --lightsampler bvh+mesh+guide scene.pbrt\n"
-        "  pbrt --quick --spp 16 scene.pbrt             a small picture, quickly\n\n"
-        "Ctrl-C, SIGTERM and SIGHUP save what was rendered and end with status 130, 143 and 129; a second one ends\n"
-        "at once. A file that holds more samples of the same scene is kept: the interrupted picture is then\n"
-        "written beside it, as out-unfinished.exr.",
+        fmt::format("Renders pbrt-v4 scene files. An independent renderer compatible with pbrt-v4 scenes, made for\n"
+                    "choosing the right light at every shading point.\n\n"
+                    "  pbrt scene.pbrt                              with the settings of the scene\n"
+                    "  pbrt --quick --spp 16 scene.pbrt             a small image, quickly\n"
+                    "{}\n"
+                    "Ctrl-C, SIGTERM and SIGHUP save what was rendered and end with status 130, 143 and 129; a second\n"
+                    "one ends at once. A file that holds more samples of the same scene is kept: the interrupted image\n"
+                    "is then written beside it, as out-unfinished.exr.",
+                    LightSamplerExamples(registry)),
         "pbrt");
     app.footer(
-        "A light sampler is written name[:key=value,...][+mesh][+guide[:key=value,...]], here, in lightlab and in\n"
-        "lightlab inspect: +mesh takes every emissive mesh as one light, +guide is --guide with parameters, guide.key\n"
-        "in a scene. --list-lightsamplers names all samplers with their parameters.");
+        "A light sampler is written name[:key=value,...][+mesh][+guide[:key=value,...]]: +mesh takes every emissive\n"
+        "mesh as one light, +guide is --guide with parameters, guide.key in a scene. --list-lightsamplers names all\n"
+        "samplers with their parameters.");
     app.set_version_flag("--version", VersionText(), "print the version, and stop");
     RawFlags raw;
-    AddAllFlags(app, o, raw);
+    AddAllFlags(app, registry, o, raw);
 
     const std::optional<int> status = ParseFlags(app, CanonicalFlags(app, argc, argv), StockFlags(), [&] {
         if (o.build.mseReferenceImage.empty() != o.build.mseReferenceOut.empty())

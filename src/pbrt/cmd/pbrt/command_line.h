@@ -29,8 +29,9 @@ struct CommandLine {
 };
 
 /// Parses flags as stock pbrt-v4: one or two dashes; `-`, `_` and case in names ignored; `--name value` or
-/// `--name=value` (pbrt-v4-format §13). Adds our own. After printing help, version or an error, returns the exit
-/// status.
-std::optional<int> ParseCommandLine(int argc, const char *const *argv, CommandLine *options);
+/// `--name=value` (pbrt-v4-format §13). Adds our own. The help text names samplers of the registry only. After printing
+/// help, version or an error, returns the exit status.
+std::optional<int> ParseCommandLine(int argc, const char *const *argv, const PluginRegistry &registry,
+                                    CommandLine *options);
 
 }  // namespace pbrt

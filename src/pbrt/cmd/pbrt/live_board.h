@@ -12,7 +12,7 @@
 
 namespace pbrt {
 
-struct LivePicture {
+struct LiveImage {
     Image colors;  ///< R, G, B, linear, float, over the rendered pixels
     enum class State { Growing, Finished, Interrupted };
     State state = State::Growing;
@@ -51,10 +51,10 @@ class LiveBoard final : public ProgressSink {
     }
 
     void Describe(const LiveRender &render) { Assign(render_, render); }
-    void Put(Image colors, LivePicture::State state, int samples, std::optional<double> relL2 = {}) {
+    void Put(Image colors, LiveImage::State state, int samples, std::optional<double> relL2 = {}) {
         const std::lock_guard lock(mutex_);
         const int version = latest_ ? latest_->version + 1 : 1;
-        latest_ = std::make_shared<const LivePicture>(LivePicture{std::move(colors), state, samples, version, relL2});
+        latest_ = std::make_shared<const LiveImage>(LiveImage{std::move(colors), state, samples, version, relL2});
         changed_.notify_all();
     }
     /// Terminates the viewers.
@@ -66,9 +66,9 @@ class LiveBoard final : public ProgressSink {
     Status Progress() const { return Copy(status_); }
     std::optional<LiveRender> Render() const { return Copy(render_); }
     /// Null before the first image.
-    std::shared_ptr<const LivePicture> Latest() const { return Copy(latest_); }
+    std::shared_ptr<const LiveImage> Latest() const { return Copy(latest_); }
     /// Waits for an image of a later version, Close, or a time-out in seconds.
-    std::shared_ptr<const LivePicture> WaitBeyond(int version, double seconds) const {
+    std::shared_ptr<const LiveImage> WaitBeyond(int version, double seconds) const {
         std::unique_lock lock(mutex_);
         changed_.wait_for(lock, std::chrono::duration<double>(seconds),
                           [&] { return isClosed_ || (latest_ && latest_->version > version); });
@@ -102,7 +102,7 @@ class LiveBoard final : public ProgressSink {
     mutable std::condition_variable changed_;
     Status status_;
     std::optional<LiveRender> render_;
-    std::shared_ptr<const LivePicture> latest_;
+    std::shared_ptr<const LiveImage> latest_;
     double charged_ = 0;
     bool isClosed_ = false;
 };
@@ -117,32 +117,32 @@ class LiveBoard final : public ProgressSink {
 class ErrorEstimate {
   public:
     /// Call for the images in order; images may be skipped.
-    void Add(std::shared_ptr<const LivePicture> picture) {
-        if (!picture || picture->samples < 1 || (last_ && picture->samples <= last_->samples)) return;
-        const double n2 = picture->samples;
+    void Add(std::shared_ptr<const LiveImage> image) {
+        if (!image || image->samples < 1 || (last_ && image->samples <= last_->samples)) return;
+        const double n2 = image->samples;
         // With few additional samples the estimate is rough; the previous base is better then.
-        if (last_ && (!base_ || 4 * last_->samples <= 3 * picture->samples)) base_ = last_;
-        if (picture->relL2) {
-            relL2_ = picture->relL2;
+        if (last_ && (!base_ || 4 * last_->samples <= 3 * image->samples)) base_ = last_;
+        if (image->relL2) {
+            relL2_ = image->relL2;
         } else if (base_) {
             const double n1 = base_->samples;
-            relL2_ = ImageError(base_->colors, picture->colors, Metric::RelL2) * n1 / (n2 - n1);
+            relL2_ = ImageError(base_->colors, image->colors, Metric::RelL2) * n1 / (n2 - n1);
         }
-        last_ = std::move(picture);
+        last_ = std::move(image);
     }
     /// relL2 of the last image; empty without an earlier one to compare.
     std::optional<double> RelL2() const { return relL2_; }
     /// Why there is no estimate, for the user; empty if there is one. `isFinal`: no image follows.
     std::string WhyNone(bool isFinal) const {
-        if (!last_) return isFinal ? "no picture was made" : "no samples yet";
+        if (!last_) return isFinal ? "no image was made" : "no samples yet";
         if (!relL2_)
-            return isFinal ? "an estimate needs two pictures; the render had only one"
-                           : "an estimate needs two pictures; this is the first";
+            return isFinal ? "an estimate needs two images; the render had only one"
+                           : "an estimate needs two images; this is the first";
         return std::isfinite(*relL2_) ? "" : "some pixels are not finite";
     }
 
   private:
-    std::shared_ptr<const LivePicture> base_, last_;
+    std::shared_ptr<const LiveImage> base_, last_;
     std::optional<double> relL2_;
 };
 

@@ -32,18 +32,18 @@ struct Shared {
 
     std::string StatusText() {
         const LiveBoard::Status s = board->Progress();
-        const std::shared_ptr<const LivePicture> picture = board->Latest();
-        error.Add(picture);
+        const std::shared_ptr<const LiveImage> image = board->Latest();
+        error.Add(image);
         Json json = {{"phase", s.phase},
                      {"fraction", s.fraction},
                      {"elapsed", s.elapsed},
                      {"remaining", s.remaining >= 0 ? Json(s.remaining) : Json()},
-                     {"version", picture ? picture->version : 0},
-                     {"isFinal", picture && picture->IsFinal()},
-                     {"isInterrupted", picture && picture->state == LivePicture::State::Interrupted},
-                     {"samples", picture ? picture->samples : 0},
+                     {"version", image ? image->version : 0},
+                     {"isFinal", image && image->IsFinal()},
+                     {"isInterrupted", image && image->state == LiveImage::State::Interrupted},
+                     {"samples", image ? image->samples : 0},
                      {"relL2", error.RelL2() ? Json(*error.RelL2()) : Json()},
-                     {"whyNoError", error.WhyNone(picture && picture->IsFinal())}};
+                     {"whyNoError", error.WhyNone(image && image->IsFinal())}};
         if (const std::optional<LiveRender> render = board->Render()) {
             json["scene"] = render->scene;
             json["file"] = render->filename;
@@ -85,7 +85,7 @@ class Session : public std::enable_shared_from_this<Session> {
         if (path == "/") return SendText(http::status::ok, "text/html; charset=utf-8", kLivePageText);
         if (path == "/status") return SendText(http::status::ok, "application/json", shared_.StatusText());
         if (path == "/picture")
-            if (const std::shared_ptr<const LivePicture> picture = shared_.board->Latest()) return SendPicture(picture);
+            if (const std::shared_ptr<const LiveImage> image = shared_.board->Latest()) return SendImage(image);
         SendText(http::status::not_found, "text/plain", "There is nothing here.\n");
     }
 
@@ -96,14 +96,14 @@ class Session : public std::enable_shared_from_this<Session> {
         Send(response, [] {});
     }
 
-    void SendPicture(const std::shared_ptr<const LivePicture> &picture) {
+    void SendImage(const std::shared_ptr<const LiveImage> &image) {
         using Body = http::span_body<const char>;
         auto response = std::make_shared<http::response<Body>>(http::status::ok, request_.version());
         response->set(http::field::content_type, "application/octet-stream");
-        response->set("X-Version", std::to_string(picture->version));
-        response->body() = {static_cast<const char *>(picture->colors.Data()),
-                            picture->colors.ValueCount() * sizeof(float)};
-        Send(response, [picture, &shared = shared_] { shared.lastIsFetched |= picture->IsFinal(); });
+        response->set("X-Version", std::to_string(image->version));
+        response->body() = {static_cast<const char *>(image->colors.Data()),
+                            image->colors.ValueCount() * sizeof(float)};
+        Send(response, [image, &shared = shared_] { shared.lastIsFetched |= image->IsFinal(); });
     }
 
     template <class Response, class WhenSent>
@@ -175,8 +175,8 @@ void LivePage::Run() {
         impl_->io.run_one_for(std::chrono::milliseconds(100));
         shared.board->ChargeThread();
         if (!shared.board->IsClosed()) continue;
-        const std::shared_ptr<const LivePicture> picture = shared.board->Latest();
-        const bool awaitsLast = picture && picture->IsFinal() && !shared.lastIsFetched;
+        const std::shared_ptr<const LiveImage> image = shared.board->Latest();
+        const bool awaitsLast = image && image->IsFinal() && !shared.lastIsFetched;
         if (!awaitsLast || SecondsSince(shared.lastRequest) > kConnectedSeconds) return;
     }
 }

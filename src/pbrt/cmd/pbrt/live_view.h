@@ -113,14 +113,14 @@ class LiveView {
         const double due = (spent + lastCost_ - kFirstSeconds) / kMaxShare;
         const double elapsed = SecondsSince(begin_);
         if (elapsed < due) return due - elapsed;
-        Take(film, LivePicture::State::Growing, result);
+        Take(film, LiveImage::State::Growing, result);
         lastCost_ = std::max(lastCost_ / 2, spent_ + board_->Charged() / ThreadCount() - spent);
         return std::max(0.0, (spent + 2 * lastCost_ - kFirstSeconds) / kMaxShare - elapsed);
     }
     /// Publishes the last image; viewers receive it while the file is written.
     void Finish(const Film &film, const RenderResult &result) {
         if (HasViewers() && result.samplesTaken > 0)
-            Take(film, result.cancelled ? LivePicture::State::Interrupted : LivePicture::State::Finished, result);
+            Take(film, result.cancelled ? LiveImage::State::Interrupted : LiveImage::State::Finished, result);
     }
     /// Waits at most this long for viewers to show it.
     void WaitForViewers(double seconds) {
@@ -135,7 +135,7 @@ class LiveView {
     using Clock = std::chrono::steady_clock;
     static constexpr double kSecondsPerPixel = 5e-8;  ///< of an image, before the first measurement
 
-    void Take(const Film &film, LivePicture::State state, const RenderResult &result) {
+    void Take(const Film &film, LiveImage::State state, const RenderResult &result) {
         const Clock::time_point start = Clock::now();
         std::optional<double> relL2;
         if (result.adaptive && result.adaptive->noise) relL2 = Sqr(*result.adaptive->noise);

@@ -41,7 +41,9 @@ int RunPbrt(int argc, char **argv) {
         SetLogLevel(LogLevel::Quiet);
     }
     CommandLine options;
-    const std::optional<int> status = ParseCommandLine(argc, argv, &options);
+    PluginRegistry registry;
+    RegisterPlugins(registry);
+    const std::optional<int> status = ParseCommandLine(argc, argv, registry, &options);
     // All processes have the same command line. An error of another could make mpirun kill rank 0 before its report.
     if (status) return isSilent ? 0 : *status;
     if (options.quiet && !isSilent) SetLogLevel(LogLevel::Error);
@@ -58,8 +60,6 @@ int RunPbrt(int argc, char **argv) {
         return 1;
     };
     try {
-        PluginRegistry registry;
-        RegisterPlugins(registry);
         if (!options.list.empty()) {
             if (isSilent) return 0;
             std::fputs(

@@ -48,10 +48,10 @@ void CheckCombination(const CommandLine &options, const BuiltScene &built, const
         throw UserError(how->loc,
                         "--noise compares two independent halves of the samples; \"none\" makes them depend on each "
                         "other. Valid here: the other values of \"randomization\".");
-    if (!built.integrator->MakesSidePictures()) return;
+    if (!built.integrator->MakesSideImages()) return;
     if (!options.checkpoint.empty() || team.Size() > 1)
         throw UserError(
-            "\"visualizestrategies\" and \"visualizeweights\" exclude --checkpoint, --samples and mpirun: pictures "
+            "\"visualizestrategies\" and \"visualizeweights\" exclude --checkpoint, --samples and mpirun: images "
             "of single strategies are neither stored in checkpoints nor sent to other processes.");
 }
 
@@ -59,9 +59,9 @@ std::string NothingWritten(const std::string &phase) {
     return fmt::format("Interrupted while {}: no image was written.", phase);
 }
 
-class PictureWriter {
+class ImageWriter {
   public:
-    PictureWriter(const CommandLine &options, const BuiltScene &built, const Timings &timings, SignalWatch &signals)
+    ImageWriter(const CommandLine &options, const BuiltScene &built, const Timings &timings, SignalWatch &signals)
         : options_(options), built_(built), timings_(timings), signals_(signals), output_(built.filename) {}
 
     /// Writes an unfinished image after a wave. Failures are warnings only, because the final image may succeed.
@@ -86,7 +86,7 @@ class PictureWriter {
         std::string name = output_.Filename();
         if (result.cancelled) name = output_.WriteUnfinished(built_.film->ToImage(), Describe(result));
         else output_.WriteFinished(built_.film->ToImage(), Describe(result));
-        for (const SidePicture &side : built_.integrator->SidePictures()) {
+        for (const SideImage &side : built_.integrator->SideImages()) {
             const std::string beside = WithSuffix(name, "-" + side.name);
             SetWriting(beside);
             WriteImage(beside, side.film->ToImage(), Describe(result));
@@ -270,7 +270,7 @@ class RenderJob {
     }
 
     /// Sets the callbacks between waves: partial images, live images, checkpoints.
-    void SetCallbacks(PictureWriter &writer) {
+    void SetCallbacks(ImageWriter &writer) {
         RenderSettings &settings = *settings_;
         if (options_.writePartialImages || live_.HasViewers())
             settings.afterWave = [this, &settings, &writer](const RenderResult &until) {
@@ -300,7 +300,7 @@ class RenderJob {
 
     int Render() {
         BuiltScene &built = *built_;
-        PictureWriter writer(options_, built, timings_, signals_);
+        ImageWriter writer(options_, built, timings_, signals_);
         SetCallbacks(writer);
         writer.SetRendering();
         RenderResult result = RenderWaves(built.Rendering(progress_, team_), *settings_);
@@ -346,7 +346,7 @@ class RenderJob {
         if (result.cancelled)
             LogInfo("{} holds what was rendered; rerun the command with --resume to resume.", checkpoint_->Path());
         else if (head.isPart)
-            LogInfo("Wrote {} (samples {}:{} of {}, {:.2f} s); imgtool merge makes the picture.", checkpoint_->Path(),
+            LogInfo("Wrote {} (samples {}:{} of {}, {:.2f} s); imgtool merge makes the image.", checkpoint_->Path(),
                     head.first, head.end, head.samplesPerBatch, result.seconds);
     }
 

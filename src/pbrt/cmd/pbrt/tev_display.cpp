@@ -100,8 +100,8 @@ class Connection {
 constexpr const char *kChannels[3] = {"R", "G", "B"};
 
 /// Sends an image in strips, one packet per channel.
-bool SendPicture(Connection &viewer, const LiveRender &render, const LivePicture &picture) {
-    const Point2i resolution = picture.colors.Resolution(), low = render.pixelBounds.low;
+bool SendImage(Connection &viewer, const LiveRender &render, const LiveImage &image) {
+    const Point2i resolution = image.colors.Resolution(), low = render.pixelBounds.low;
     const int rows = std::max(1, kMaxValues / std::max(1, resolution.x));
     std::vector<float> values;
     for (int y = 0; y < resolution.y; y += rows) {
@@ -109,7 +109,7 @@ bool SendPicture(Connection &viewer, const LiveRender &render, const LivePicture
         for (int c = 0; c < 3; ++c) {
             values.clear();
             for (int row = y; row < y + height; ++row)
-                for (int x = 0; x < resolution.x; ++x) values.push_back(picture.colors.Get({x, row}, c));
+                for (int x = 0; x < resolution.x; ++x) values.push_back(image.colors.Get({x, row}, c));
             Packet packet(Packet::UpdateImage);
             packet.Flag(false).Text(render.filename).Text(kChannels[c]);
             packet.Numbers({low.x, low.y + y, resolution.x, height}).Values(values);
@@ -149,17 +149,17 @@ void ShowInTev(LiveBoard &board, const std::string &server) {
     if (!viewer.IsOpen()) return complain("no viewer answers");
     int version = 0;
     for (;;) {
-        const std::shared_ptr<const LivePicture> picture = board.WaitBeyond(version, 3600);
-        const bool isNew = picture && picture->version > version;
+        const std::shared_ptr<const LiveImage> image = board.WaitBeyond(version, 3600);
+        const bool isNew = image && image->version > version;
         if (!isNew && board.IsClosed()) return;
         if (!isNew) continue;
         const std::optional<LiveRender> render = board.Render();
         if (!render) continue;
         if (version == 0 && !SendBeginning(viewer, *render)) return complain("the viewer is gone");
-        if (!SendPicture(viewer, *render, *picture)) return complain("the viewer is gone");
-        version = picture->version;
+        if (!SendImage(viewer, *render, *image)) return complain("the viewer is gone");
+        version = image->version;
         board.ChargeThread();
-        if (picture->IsFinal()) return;
+        if (image->IsFinal()) return;
     }
 }
 

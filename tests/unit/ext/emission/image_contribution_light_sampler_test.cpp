@@ -2,6 +2,7 @@
 
 #include <gtest/gtest.h>
 
+#include <nlohmann/json.hpp>
 #include <numeric>
 
 #include "support/build_text.h"
@@ -122,6 +123,20 @@ TEST(ImageContributionLightSampler, IsTheSameForAnyNumberOfThreads) {
     };
     const std::vector<Float> expected = pbrt::test::OnThreads(1, prepare);
     for (int threads : {2, 5}) EXPECT_EQ(pbrt::test::OnThreads(threads, prepare), expected) << threads;
+}
+
+TEST(ImageContributionLightSampler, CanBePreparedTwice) {
+    const Prepared r = Prepare(AllLamps(), {});
+    const auto reported = [&] {
+        nlohmann::ordered_json report;
+        r.sampler->Report(report);
+        report.erase("prepassSeconds");
+        return report;
+    };
+    const nlohmann::ordered_json once = reported();
+    EXPECT_GT(once.at("groupsSeen").get<int>(), 0);
+    test::PrepareIn(r.built, *r.sampler);
+    EXPECT_EQ(reported(), once);
 }
 
 TEST(ImageContributionLightSampler, ChoosesByPowerIfNothingIsSeen) {

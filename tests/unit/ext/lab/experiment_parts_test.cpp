@@ -1,6 +1,7 @@
 #include <thread>
 
 #include "experiment_fixture.h"
+#include "pbrt/build/light_sampler_spec.h"
 #include "pbrt/scenefile/content_hash.h"
 
 namespace ext::lab {
@@ -11,6 +12,13 @@ TEST(SamplerList, KeysBelongToTheSamplerBeforeThem) {
     EXPECT_EQ(SplitSamplerList("a+guide,b+guide:k=1,m=2,c"),
               (std::vector<std::string>{"a+guide", "b+guide:k=1,m=2", "c"}));
     EXPECT_EQ(SafeFileName("octree:leaves=64,floor=.2+guide:a/b"), "octree_leaves=64,floor=.2+guide_a_b");
+}
+
+TEST(SamplerChoice, OnlyTheWordMeshIsLeftOut) {
+    EXPECT_EQ(WithoutMesh("bvh+mesh"), "bvh");
+    EXPECT_EQ(WithoutMesh("octree:floor=1e+3+mesh+guide:k=1"), "octree:floor=1e+3+guide:k=1");
+    EXPECT_EQ(WithoutMesh("bvh+guide+mesh"), "bvh+guide");
+    for (const char *other : {"bvh", "bvh+meshes", "mesh+guide", ""}) EXPECT_EQ(WithoutMesh(other), other);
 }
 
 TEST(Checkpoints, StartAtOneSampleAndEndAtTheBudget) {

@@ -50,7 +50,7 @@ TEST_F(RangePicture, KeepsEveryBrightness) {
         image.Set({i % 5, i / 5}, 1, values[i] / 2);
         image.Set({i % 5, i / 5}, 2, 0);
     }
-    WriteRangePicture(Path("range.hdr"), image);
+    WriteRangeImage(Path("range.hdr"), image);
     const std::string text = ReadFileContents(Path("range.hdr"));
     const std::string size = "\n\n-Y 2 +X 5\n";
     const size_t at = text.find(size);

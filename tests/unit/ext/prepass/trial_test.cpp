@@ -2,8 +2,15 @@
 
 #include <gtest/gtest.h>
 
+#include "pbrt/core/counters.h"
+#include "support/build_text.h"
+#include "support/scene_text.h"
+#include "support/threads.h"
+
 namespace ext {
 namespace {
+
+using pbrt::test::Objects, pbrt::test::OnThreads, pbrt::test::SceneText;
 
 std::vector<TrialPixel> Pixels(double mean, double variance, size_t count = 400) {
     return std::vector<TrialPixel>(count,
@@ -43,6 +50,39 @@ TEST(CompareTrials, WithoutSamplesThereWasNoTrial) {
     EXPECT_FALSE(CompareTrials(Pixels(1, 1), {}, 0).WasTried());
     EXPECT_FALSE(CompareTrials(Pixels(0, 0), Pixels(0, 0), 0).WasTried());
     EXPECT_EQ(TrialRatio().Gain(), 0);
+}
+
+TEST(TraceTrial, TracesPathsThatNothingElseCounts) {
+    BuiltScene built = pbrt::test::BuildText(SceneText()
+                                                 .LookAt("0 0 -4  0 0 0  0 1 0")
+                                                 .Camera(50)
+                                                 .Film(64, 64)
+                                                 .Samples(64)
+                                                 .Integrator("path")
+                                                 .World(Objects().PointLight("0 2 -2", "1 1 1").Sphere(0.5)));
+    Progress progress;
+    PrepareContext context = built.Preparation(progress);
+    EXPECT_FALSE(CanTrace(context)) << "the integrator offers no paths";
+    context.tracePath = [](Point2i pixel, int sample, Sampler &sampler) {
+        EXPECT_GT(sample, 1 << 30) << "a sample of the render may have this number";
+        ++ThreadCounters().pathVertices;
+        return double(pixel.x) + double(sampler.Get1D());
+    };
+    ASSERT_TRUE(CanTrace(context));
+    const uint64_t before = SumCounters().pathVertices;
+    const auto trace = [&] { return TraceTrial(context); };
+    const std::vector<TrialPixel> expected = OnThreads(1, trace), again = OnThreads(3, trace);
+    EXPECT_EQ(SumCounters().pathVertices, before);
+    ASSERT_EQ(expected.size(), 256u);
+    ASSERT_EQ(again.size(), expected.size());
+    for (size_t i = 0; i < expected.size(); ++i) {
+        EXPECT_EQ(expected[i].mean, again[i].mean);
+        EXPECT_EQ(expected[i].variance, again[i].variance);
+        EXPECT_EQ(expected[i].paths, 16);
+        EXPECT_EQ(expected[i].vertices, 16);
+    }
+    context.samplesPerPixel = 16;
+    EXPECT_FALSE(CanTrace(context)) << "a trial would take more than 3 % of the render's samples";
 }
 
 }  // namespace

@@ -97,7 +97,7 @@ TEST(CameraConnection, ThePictureOfASphericalCameraGoesOnBeyondItsEdges) {
             const std::optional<CameraConnection> seen = camera->Connect(ray(3), {}, 0);
             ASSERT_TRUE(seen);
             Camera::OtherPlaces places;
-            const int n = camera->SeenAlsoAt(seen->pFilm, places);
+            const int n = camera->WrappedPositions(seen->pFilm, places);
             Float nearest = glm::length(film - seen->pFilm);
             for (const Point2 &place : std::span(places).first(size_t(n))) {
                 nearest = std::min(nearest, glm::length(film - place));
@@ -108,7 +108,7 @@ TEST(CameraConnection, ThePictureOfASphericalCameraGoesOnBeyondItsEdges) {
         }
     }
     Camera::OtherPlaces places;
-    EXPECT_EQ(MakeTestCamera("perspective")->SeenAlsoAt({3, 4}, places), 0);
+    EXPECT_EQ(MakeTestCamera("perspective")->WrappedPositions({3, 4}, places), 0);
 }
 
 }  // namespace

@@ -25,8 +25,8 @@ TEST(FalseColor, RampGetsBrighterAndEndsWhereTheScaleEnds) {
         before = luminance;
     }
     FalseColorStyle style;
-    style.least = 2;
-    style.most = 4;
+    style.min = 2;
+    style.max = 4;
     Image shown = FalseColor(Row({1, 2, 3, 4, 9}), 0, style);
     EXPECT_EQ(Shown(shown, 0, 0), Shown(shown, 1, 0));
     EXPECT_EQ(Shown(shown, 3, 0), Shown(shown, 4, 0));

@@ -71,7 +71,7 @@ TEST_P(Strategies, TheirSharesAddUpToThePicture) {
     const Rendered rendered = RenderText(Bdpt(GetParam(), 5, 8));
     std::vector<double> sum(kSize * kSize * 3);
     int pictures = 0, black = 0;
-    for (const auto &[name, image] : rendered.sidePictures) {
+    for (const auto &[name, image] : rendered.sideImages) {
         if (name.starts_with("strategy")) continue;
         ++pictures;
         double all = 0;
@@ -109,7 +109,7 @@ TEST_P(Strategies, EachAloneFindsAllLightOfItsDepth) {
     std::map<std::string, Colors> alone;
     std::array<Colors, kDepth + 1> expected;
     for (int seed = 1; seed <= kSeeds; ++seed) {
-        for (const auto &[name, image] : RenderText(Bdpt(place, kDepth, kSamples, seed)).sidePictures)
+        for (const auto &[name, image] : RenderText(Bdpt(place, kDepth, kSamples, seed)).sideImages)
             if (name.starts_with("strategy")) Add(alone[name], image);
         Image before;  // the same paths, one scattering event shorter
         for (int depth = 0; depth <= kDepth; ++depth) {
@@ -142,25 +142,25 @@ TEST_P(Strategies, EachAloneFindsAllLightOfItsDepth) {
 INSTANTIATE_TEST_SUITE_P(All, Strategies, testing::Values(kFurnace, kAjar, kSmoke, kParallel),
                          testing::PrintToStringParamName());
 
-TEST(StrategyPictures, AreTheSameForAnyNumberOfThreads) {
+TEST(StrategyImages, AreTheSameForAnyNumberOfThreads) {
     ThreadLimit one(1);
     const Rendered expected = RenderText(Bdpt(kSmoke, 4, 4));
     ThreadLimit limit(3);
     const Rendered other = RenderText(Bdpt(kSmoke, 4, 4));
-    ASSERT_EQ(expected.sidePictures.size(), other.sidePictures.size());
-    for (size_t i = 0; i < other.sidePictures.size(); ++i)
-        EXPECT_TRUE(SameBits(expected.sidePictures[i].second, other.sidePictures[i].second))
-            << other.sidePictures[i].first;
+    ASSERT_EQ(expected.sideImages.size(), other.sideImages.size());
+    for (size_t i = 0; i < other.sideImages.size(); ++i)
+        EXPECT_TRUE(SameBits(expected.sideImages[i].second, other.sideImages[i].second))
+            << other.sideImages[i].first;
     EXPECT_TRUE(SameBits(expected.image, other.image));
 }
 
-TEST(StrategyPictures, DoNotChangeThePictureAndLimitTheDepth) {
+TEST(StrategyImages, DoNotChangeThePictureAndLimitTheDepth) {
     const Rendered shown = RenderText(Bdpt(kAjar, 9, 4));
     EXPECT_TRUE(SameBits(shown.image, RenderText(StrategyScene(kAjar, "bdpt", 5, 4, 1)).image));
     bool warned = false;
     for (const Diagnostic &d : shown.diagnostics) warned |= d.message.find("\"maxdepth\" 5") != std::string::npos;
     EXPECT_TRUE(warned);
-    EXPECT_TRUE(RenderText(StrategyScene(kAjar, "bdpt", 5, 1, 1)).sidePictures.empty());
+    EXPECT_TRUE(RenderText(StrategyScene(kAjar, "bdpt", 5, 1, 1)).sideImages.empty());
 }
 
 }  // namespace

@@ -14,7 +14,7 @@ TEST(LeastVariance, WithoutBsdfSamplingIsTheRootOfTheSecondMoment) {
     // The second moments are 4, 2 and 0.
     std::vector<LightPoint> points = {{2, 0}, {2, 0}, {0, 0}, {2, 0}, {0, 0}, {0, 0}};
     std::vector<double> pmf(3);
-    ASSERT_TRUE(LeastVariancePmf(points, pmf));
+    ASSERT_TRUE(MinVariancePmf(points, pmf));
     double sum = 2 + std::sqrt(2.0);
     EXPECT_NEAR(pmf[0], 2 / sum, 1e-12);
     EXPECT_NEAR(pmf[1], std::sqrt(2.0) / sum, 1e-12);
@@ -25,7 +25,7 @@ TEST(LeastVariance, WithoutBsdfSamplingIsTheRootOfTheSecondMoment) {
 TEST(LeastVariance, NothingSeenIsSaidSo) {
     std::vector<LightPoint> points(6);
     std::vector<double> pmf = {1, 2, 3};
-    EXPECT_FALSE(LeastVariancePmf(points, pmf));
+    EXPECT_FALSE(MinVariancePmf(points, pmf));
     EXPECT_EQ(pmf, (std::vector<double>{1, 2, 3}));
 }
 
@@ -52,7 +52,7 @@ TEST(LeastVariance, TwoLightsAreAtTheMinimumThatAScanFinds) {
     for (int trial = 0; trial < 200; ++trial) {
         std::vector<LightPoint> points = RandomLights(rng, 2, 8);
         std::vector<double> pmf(2);
-        if (!LeastVariancePmf(points, pmf)) continue;
+        if (!MinVariancePmf(points, pmf)) continue;
         EXPECT_NEAR(pmf[0] + pmf[1], 1, 1e-12);
         double least = std::numeric_limits<double>::infinity();
         for (int i = 1; i < 2000; ++i) {
@@ -72,7 +72,7 @@ TEST(LeastVariance, NoOtherProbabilitiesAreBetter) {
     for (int trial = 0; trial < 50; ++trial) {
         std::vector<LightPoint> points = RandomLights(rng, 10, 4);
         std::vector<double> pmf(10);
-        if (!LeastVariancePmf(points, pmf)) continue;
+        if (!MinVariancePmf(points, pmf)) continue;
         EXPECT_NEAR(std::accumulate(pmf.begin(), pmf.end(), 0.0), 1, 1e-12);
         double here = SecondMoment(points, pmf);
         for (int step = 0; step < 200; ++step) {

@@ -230,7 +230,7 @@ TEST_P(OracleAgainst, NoOtherSamplerHasALowerSecondMoment) {
                 ofOracle.push_back(double(oracle->PMF(q, LightId(l))));
                 ofOther.push_back(double(other->PMF(q, LightId(l))));
             }
-            if (!LeastVariancePmf(points, least)) continue;
+            if (!MinVariancePmf(points, least)) continue;
             ++seen;
             double best = SecondMoment(points, least);
             double a = SecondMoment(points, ofOracle) / best, b = SecondMoment(points, ofOther) / best;

@@ -16,7 +16,7 @@ inline double Moment(double p, double r) {
     return (p * p * p + r * r * r) / (d * d * s);
 }
 
-/// S(p) of LeastVariancePmf for these points.
+/// S(p) of MinVariancePmf for these points.
 inline double SecondMoment(std::span<const LightPoint> points, std::span<const double> pmf) {
     const size_t perLight = pmf.empty() ? 0 : points.size() / pmf.size();
     double sum = 0;

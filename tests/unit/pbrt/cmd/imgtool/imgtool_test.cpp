@@ -222,11 +222,11 @@ TEST_F(Imgtool, CropsCountInPixelsOfTheWholePicture) {
     WriteImage(Path("left.exr"), part.image, elsewhere);
     ExpectErrors({{"convert tr.exr --crop 1,4,1,4 --outfile c.exr", "8 x 5 pixels: x 8 to 16, y 1 to 6"},
                   {"diff tr.exr --reference tr.exr --crop 8,17,1,6", "x 8 to 16"},
-                  {"diff tr.exr --reference left.exr", "Different parts of a picture"},
-                  {"error tr.exr --reference left.exr", "Different parts of a picture"},
-                  {"average tr.exr left.exr --outfile m.exr", "Different parts of a picture"},
-                  {"splitn tr.exr left.exr --outfile s.exr", "Different parts of a picture"},
-                  {"makeequiarea tr.exr --outfile m.exr", "part of a picture of 16 x 12"}});
+                  {"diff tr.exr --reference left.exr", "Different parts of an image"},
+                  {"error tr.exr --reference left.exr", "Different parts of an image"},
+                  {"average tr.exr left.exr --outfile m.exr", "Different parts of an image"},
+                  {"splitn tr.exr left.exr --outfile s.exr", "Different parts of an image"},
+                  {"makeequiarea tr.exr --outfile m.exr", "part of an image of 16 x 12"}});
 }
 
 TEST_F(Imgtool, DataWindowsMoveWithThePixels) {

@@ -208,8 +208,8 @@ TEST_F(Parts, PartsOfOtherRendersAndUnfinishedOnesAreRefused) {
     kill(pid, SIGKILL);
     Wait(pid);
     ExpectRefused("refused.exr e", "e: is unfinished: of the samples 0:4096 it has 0:");
-    ExpectRefused("refused.exr e", "--resume completes it, and --incomplete makes the picture");
-    ExpectRefused("refused.exr a", "The samples 2:4 are in no file, and --incomplete makes the picture");
+    ExpectRefused("refused.exr e", "--resume completes it, and --incomplete makes the image");
+    ExpectRefused("refused.exr a", "The samples 2:4 are in no file, and --incomplete makes the image");
     RunWell("scene.pbrt --spp 1 --samples 0:1 --checkpoint one");
     EXPECT_EQ(RunImgtool("merge one.exr one").out, "one.exr: 1 sample per pixel from 1 file\n");
     ExpectErrors({{"scene.pbrt --samples 0:5 --checkpoint f", {"only 4 samples"}},

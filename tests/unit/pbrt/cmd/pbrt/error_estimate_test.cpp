@@ -15,15 +15,15 @@ class GrowingPicture {
     static constexpr int kSide = 60;
     explicit GrowingPicture(unsigned seed) : random_(seed), sums_(kSide * kSide * 3) {}
 
-    std::shared_ptr<const LivePicture> After(int samples) {
+    std::shared_ptr<const LiveImage> After(int samples) {
         std::exponential_distribution<double> one(1);
         for (; taken_ < samples; ++taken_)
             for (size_t i = 0; i < sums_.size(); ++i) sums_[i] += Mean(i) * one(random_);
-        LivePicture picture{Image(PixelFormat::Float, {kSide, kSide}, {"R", "G", "B"}), LivePicture::State::Growing,
+        LiveImage picture{Image(PixelFormat::Float, {kSide, kSide}, {"R", "G", "B"}), LiveImage::State::Growing,
                             samples, ++version_};
         auto *values = static_cast<float *>(picture.colors.Data());
         for (size_t i = 0; i < sums_.size(); ++i) values[i] = static_cast<float>(sums_[i] / taken_);
-        return std::make_shared<const LivePicture>(std::move(picture));
+        return std::make_shared<const LiveImage>(std::move(picture));
     }
     /// relL2 of the picture as it is, to the true means.
     double Error() const {

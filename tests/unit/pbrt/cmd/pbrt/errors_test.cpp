@@ -223,4 +223,26 @@ TEST_F(Errors, NamesOfVersion3HaveAHint) {
     EXPECT_FALSE(Has(Run("no.pbrt").err, "v3"));
 }
 
+TEST_F(Errors, OldNamesHaveAHint) {
+    const std::string removed = "it was removed (docs/develop/negative-results.md)";
+    Write("scene.pbrt", SmallScene());
+    std::vector<ErrorCase> cases = {{"--shadow-gate neepp scene.pbrt", {"--shadow-gate: " + removed}},
+                                    {"--lightsampler bvh+gate=neepp scene.pbrt", {"--lightsampler:1:3", removed, "^"}}};
+    for (const auto &[parameter, hint] :
+         {std::pair("string octree.windows", Quoted("it is 'string octree.portals' now")),
+          {"bool octree.tiles", removed},
+          {"bool octree.opensky", removed},
+          {"bool equiangular", removed},
+          {"string shadowgate", removed}}) {
+        const std::string name = fmt::format("old-{}.pbrt", cases.size());
+        const char *value = std::string_view(parameter).starts_with("bool") ? "true" : "'always'";
+        Write(name, SmallScene(fmt::format("'{}' {}", parameter, value)));
+        cases.push_back({name, {"Error: " + name + ":5:", Quoted(fmt::format("'{}'", parameter)), hint, "^"}});
+    }
+    ExpectErrors(cases);
+    if (HasExt())
+        ExpectErrors({{"--lightsampler octree:windows=always scene.pbrt",
+                       {"--lightsampler:1:7", Quoted("it is 'string octree.portals' now"), "^"}}});
+}
+
 }  // namespace pbrt::test

@@ -126,13 +126,23 @@ TEST_F(Flags, VersionIsOneLine) {
 }
 
 TEST_F(Flags, ExamplesOfTheHelpRenderWithoutAWarning) {
-    PBRT_SKIP_WITHOUT_EXT();
     const std::string help = Run("--help").out;
     static const std::regex kExample("\n  pbrt (.*scene\\.pbrt)");
     std::sregex_iterator example(help.begin(), help.end(), kExample);
-    EXPECT_GE(std::distance(example, {}), 4);
+    EXPECT_GE(std::distance(example, {}), HasExt() ? 5 : 3);
     for (; example != std::sregex_iterator(); ++example)
         EXPECT_FALSE(Has(RunWell("--quick " + example->str(1)), "Warning")) << example->str(1);
+}
+
+TEST_F(Flags, HelpNamesOnlySamplersOfThisBuild) {
+    const std::string help = Run("--help").out + RunImgtool("splitn --help").out + Run("--list integrators").out;
+    const auto names = [&](const std::string &word) {
+        return std::regex_search(help, std::regex(fmt::format("\\b{}\\b", word)));
+    };
+    for (const char *name : {"octree", "spatial", "neepp", "oracle", "seen"})
+        if (!Has(LightSamplerListing(), fmt::format("\n{}\n", name))) EXPECT_FALSE(names(name)) << name;
+    EXPECT_EQ(names("seen"), HasExt());
+    EXPECT_TRUE(names("uniform"));
 }
 
 TEST_F(Flags, PrintedPhasesAddUpToTheWallTime) {

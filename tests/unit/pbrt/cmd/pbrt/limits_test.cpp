@@ -40,7 +40,7 @@ TEST_F(Limits, PlacesAndRadiance) {
 
 TEST_F(Limits, WhatDoesNotFitIntoMemory) {
     ExpectEnd("Film 'rgb' 'integer xresolution' 1000000 'integer yresolution' 1000000", "Shape 'sphere'",
-              {"Error: limit.pbrt:2:", "a picture of 1000000 x 1000000 pixels needs about 76 TB of memory"});
+              {"Error: limit.pbrt:2:", "an image of 1000000 x 1000000 pixels needs about 76 TB of memory"});
     ExpectEnd("PixelFilter 'gaussian' 'float xradius' 1e9", "Shape 'sphere'", {"at most 1000"});
     // Where the memory cannot be estimated in advance, the message says what there was not enough memory for.
     for (const char *kilobytes : {"150000", "300000", "600000"}) {

@@ -158,7 +158,7 @@ class LivePage(unittest.TestCase):
         self.driver.get(address)
         self.until(lambda: self.text("phase") == "done")
         self.assertEqual(self.text("error"), "–")
-        self.assertIn("two pictures; the render had only one", self.text("why"))
+        self.assertIn("two images; the render had only one", self.text("why"))
 
     def test_exposure_can_be_changed(self):
         process = self.show("--spp", "100000", size=(64, 48))

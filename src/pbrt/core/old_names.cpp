@@ -11,9 +11,10 @@ struct Replacement {
     const char *instead;
 };
 
+/// Names of pbrt-v3.
 const std::vector<Replacement> kReplacements = {
     {"directive", {"WorldEnd"}, "delete it, as the world ends with the file"},
-    {"directive", {"Renderer"}, "delete it; \"Integrator\" says how to render"},
+    {"directive", {"Renderer"}, "delete it; \"Integrator\" sets the integrator"},
     {"directive", {"SurfaceIntegrator"}, "use \"Integrator\""},
     {"directive", {"VolumeIntegrator"}, "delete it, and use Integrator \"volpath\""},
     {"directive", {"Volume"}, "use \"MakeNamedMedium\" and \"MediumInterface\""},
@@ -62,13 +63,28 @@ const std::vector<Replacement> kReplacements = {
     {"parameter", {"trilinear"}, "use \"filter\""},
 };
 
+constexpr const char *kWasRemoved = "it was removed (docs/develop/negative-results.md)";
+
+/// Names of earlier versions of this program.
+const std::vector<Replacement> kOwnReplacements = {
+    {"parameter", {"octree.windows"}, "it is \"string octree.portals\" now"},
+    {"parameter", {"octree.tiles", "octree.opensky", "equiangular", "shadowgate"}, kWasRemoved},
+    {"suffix", {"gate"}, kWasRemoved},
+};
+
+const char *Find(const std::vector<Replacement> &replacements, std::string_view what, std::string_view name) {
+    for (const auto &[kind, names, instead] : replacements)
+        if (kind == what && std::ranges::find(names, name) != names.end()) return instead;
+    return nullptr;
+}
+
 }  // namespace
 
-std::string V3Hint(std::string_view what, std::string_view name) {
-    for (const auto &[kind, names, instead] : kReplacements)
-        if (kind == what && std::ranges::find(names, name) != names.end())
-            return fmt::format("it is of pbrt-v3: {} (pbrt-v4's own \"pbrt --upgrade\" converts most of a scene); ",
-                               instead);
+std::string OldNameHint(std::string_view what, std::string_view name) {
+    if (const char *own = Find(kOwnReplacements, what, name)) return fmt::format("{}; ", own);
+    if (const char *instead = Find(kReplacements, what, name))
+        return fmt::format("it is of pbrt-v3: {} (pbrt-v4's own \"pbrt --upgrade\" converts most of a scene); ",
+                           instead);
     return {};
 }
 

@@ -11,7 +11,7 @@ namespace pbrt {
 /// Images of the strategies of bidirectional path tracing: one per number of vertices s from the light and t from the
 /// camera, up to kMaxDepth scattering events (s + t - 2). A light or an emitting medium point hit by a camera path is a
 /// camera vertex (s = 0).
-class StrategyPictures {
+class StrategyImages {
   public:
     static constexpr int kMaxDepth = 5;
     enum class Kind {
@@ -26,7 +26,7 @@ class StrategyPictures {
         Float mean = 1;
     };
 
-    StrategyPictures(std::vector<Kind> kinds, int maxDepth) : kinds_(std::move(kinds)) {
+    StrategyImages(std::vector<Kind> kinds, int maxDepth) : kinds_(std::move(kinds)) {
         for (int depth = 0; depth <= std::min(maxDepth, kMaxDepth); ++depth)
             for (int s = 0; s <= depth + 1; ++s) {
                 if (s == 1 && depth == 0) continue;  // directly visible light is sampled by the camera only
@@ -76,17 +76,17 @@ class StrategyPictures {
             for (size_t i = 0; i < strategies_.size(); ++i)
                 if (strategies_[i].t == 1) films[i]->AddSplatPaths(paths);
     }
-    std::vector<SidePicture> Pictures() const {
-        std::vector<SidePicture> pictures;
+    std::vector<SideImage> Images() const {
+        std::vector<SideImage> images;
         for (size_t kind = 0; kind < films_.size(); ++kind)
             for (size_t i = 0; i < strategies_.size(); ++i) {
                 const auto [s, t] = strategies_[i];
-                pictures.push_back(
+                images.push_back(
                     {fmt::format("{}-depth{}-s{}-t{}", kinds_[kind] == Kind::Weighted ? "weighted" : "strategy",
                                  s + t - 2, s, t),
                      films_[kind][i].get()});
             }
-        return pictures;
+        return images;
     }
 
   private:

@@ -50,8 +50,7 @@ std::optional<FirstHit> FindFirstHit(const BuiltScene &built, Point2i pixel) {
     if (!start) return {};
     const PathContext context{*built.scene, *built.camera, built.samplesPerPixel, true};
     PathWalk walk(context, *start);
-    while (hit.depth < kMaxSpecular && walk.Next() == PathWalk::Met::Surface) {
-        if (!walk.FindScattering(hit.lambda)) continue;
+    while (hit.depth < kMaxSpecular && walk.NextSurface(hit.lambda)) {
         ++hit.depth;
         hit.vertex = walk.Vertex();
         const auto &[point, bsdf] = hit.vertex;

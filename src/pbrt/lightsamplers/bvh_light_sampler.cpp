@@ -4,11 +4,10 @@
 
 #include <array>
 #include <bit>
-#include <cstring>
 #include <nlohmann/json.hpp>
 
 #include "pbrt/core/error.h"
-#include "pbrt/lightsamplers/light_packet.h"
+#include "pbrt/math/simd_ops.h"
 
 namespace pbrt {
 namespace {
@@ -110,21 +109,9 @@ LightBvhNode LightBvhBlock::Node(uint32_t lane) const {
 
 // noinline: bit-identical results for all call sites.
 [[gnu::noinline]] void LightBvhBlock::Importances(const Point3 &p, const Normal3 &n, Float out[kLanes]) const {
-    namespace simd = std::experimental;
     using Ops = SimdOps<kLanes>;
     using F = Ops::F;
-    using Codes = uint16_t __attribute__((vector_size(2 * kLanes)));
-    using Numbers = int32_t __attribute__((vector_size(4 * kLanes)));
-    using Values = Float __attribute__((vector_size(4 * kLanes)));
-    auto load = [](const Float *v) { return F(v, simd::element_aligned); };
-    auto cosine = [](const uint16_t *q) {
-        Codes codes;
-        std::memcpy(&codes, q, sizeof codes);
-        const Values values = __builtin_convertvector(__builtin_convertvector(codes, Numbers), Values);
-        alignas(F) Float v[kLanes];
-        std::memcpy(v, &values, sizeof v);
-        return F(v, simd::vector_aligned) * F(2 / kSteps) - F(1);
-    };
+    auto cosine = [](const uint16_t *codes) { return Ops::Load(codes) * F(2 / kSteps) - F(1); };
     auto withSign = [](const F &size, const F &sign) { return Ops::Select(sign < F(0), -size, size); };
 
     const F u = cosine(axisU), v = cosine(axisV);
@@ -132,11 +119,11 @@ LightBvhNode LightBvhBlock::Node(uint32_t lane) const {
     const F x = Ops::Select(z < F(0), withSign(F(1) - Ops::Abs(v), u), u);
     const F y = Ops::Select(z < F(0), withSign(F(1) - Ops::Abs(u), v), v);
     const F cosTheta_o = cosine(cosO);
-    const F signedPhi = load(phi);
-    const detail::Emitters<F, Ops::Mask> e{load(centerX),
-                                           load(centerY),
-                                           load(centerZ),
-                                           load(radius),
+    const F signedPhi = Ops::Load(phi);
+    const detail::Emitters<F, Ops::Mask> e{Ops::Load(centerX),
+                                           Ops::Load(centerY),
+                                           Ops::Load(centerZ),
+                                           Ops::Load(radius),
                                            x,
                                            y,
                                            z,
@@ -146,7 +133,7 @@ LightBvhNode LightBvhBlock::Node(uint32_t lane) const {
                                            detail::SineOf<Ops>(cosTheta_o),
                                            cosine(cosE),
                                            signedPhi < F(0)};
-    detail::ImportanceOf<Ops>(e, p, n).copy_to(out, simd::element_aligned);
+    Ops::Store(detail::ImportanceOf<Ops>(e, p, n), out);
 }
 
 /// Packs child pairs into blocks. A block holds the children of a node, then those of its most powerful descendants.

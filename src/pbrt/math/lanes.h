@@ -48,6 +48,24 @@ inline FloatLanes FractionsToFloat(Lanes32 v) {
     return f < OneMinusEpsilon ? f : FloatLanes{} + OneMinusEpsilon;
 }
 
+/// Transposes eight rows of eight.
+[[gnu::always_inline]] inline void Transpose(FloatLanes rows[8]) {
+    FloatLanes a[8], b[8];
+    for (int i = 0; i < 8; i += 2) {
+        a[i] = __builtin_shufflevector(rows[i], rows[i + 1], 0, 8, 1, 9, 4, 12, 5, 13);
+        a[i + 1] = __builtin_shufflevector(rows[i], rows[i + 1], 2, 10, 3, 11, 6, 14, 7, 15);
+    }
+    for (int i = 0; i < 8; i += 4)
+        for (int k = 0; k < 2; ++k) {
+            b[i + 2 * k] = __builtin_shufflevector(a[i + k], a[i + k + 2], 0, 1, 8, 9, 4, 5, 12, 13);
+            b[i + 2 * k + 1] = __builtin_shufflevector(a[i + k], a[i + k + 2], 2, 3, 10, 11, 6, 7, 14, 15);
+        }
+    for (int i = 0; i < 4; ++i) {
+        rows[i] = __builtin_shufflevector(b[i], b[i + 4], 0, 1, 2, 3, 8, 9, 10, 11);
+        rows[i + 4] = __builtin_shufflevector(b[i], b[i + 4], 4, 5, 6, 7, 12, 13, 14, 15);
+    }
+}
+
 inline Lanes32 LowHalves(const Lanes64 &a, const Lanes64 &b) {
     return __builtin_shufflevector(reinterpret_cast<Lanes32>(a), reinterpret_cast<Lanes32>(b), 0, 2, 4, 6, 8, 10, 12,
                                    14);

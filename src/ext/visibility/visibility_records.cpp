@@ -27,7 +27,7 @@ Float RatioOf(double found, Float g) {
     return std::isfinite(ratio) ? ratio : 0;
 }
 
-bool IsMine(const Team &team, size_t chunk) { return chunk % size_t(team.Size()) == size_t(team.Rank()); }
+bool IsMine(const Team &team, int64_t chunk) { return chunk % team.Size() == team.Rank(); }
 
 /// Draws lights at one point in proportion to G.
 class Draws {
@@ -189,11 +189,11 @@ VisibilityRecords TraceVisibility(PrepareContext &context, std::span<const Prepa
             "octree: the prepass has {} vertices, each with {} shadow rays; more than {} shadow "
             "rays cannot be stored. Lower \"prepassspp\" or \"tries\".",
             vertices.size(), perRecord, std::numeric_limits<uint32_t>::max());
-    std::vector<VisibilityRecords> chunks(size_t((count + kChunk - 1) / kChunk));
-    context.progress.BeginPhase("shadow rays", int64_t(chunks.size()));
+    std::vector<VisibilityRecords> chunks((count + kChunk - 1) / kChunk);
+    context.progress.BeginPhase("shadow rays", chunks.size());
     const ShadowRayTracer tracer(context.scene, groups, importance, interior, tree, perRecord);
-    ParallelForEach(int64_t(chunks.size()), [&](int64_t chunk) {
-        if (context.progress.Cancelled() || !IsMine(context.team, size_t(chunk))) return;
+    ParallelForEach(chunks.size(), [&](int64_t chunk) {
+        if (context.progress.Cancelled() || !IsMine(context.team, chunk)) return;
         std::vector<Float> g;
         for (int64_t i = chunk * kChunk; i < std::min((chunk + 1) * kChunk, count); ++i) {
             Rng rng(Hash(uint64_t(0x7669736962), context.seed, i));

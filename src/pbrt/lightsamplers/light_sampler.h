@@ -92,6 +92,7 @@ struct InspectedValue {
     bool isId = false;  ///< shown as a colour, not a magnitude
 };
 
+/// A light selected at a query point. Its contribution is divided by `pmf` and the density of the sampled point.
 struct SampledLight {
     LightId light{};
     Float pmf = 0;  ///< discrete probability of light and region
@@ -108,6 +109,7 @@ struct TrialPixel {
     double paths = 0, vertices = 0, shadowRays = 0;
 };
 
+/// Arguments of LightSampler::Prepare. The scene outlives the sampler; all else is valid during that call only.
 struct PrepareContext {
     const Scene &scene;
     const Camera &camera;

@@ -6,7 +6,8 @@
 
 namespace pbrt {
 
-// SIMD integers and floats by the vector extensions of GCC and Clang: same results on every machine.
+// SIMD integers and floats by the vector extensions of GCC and Clang: same results on every machine. Floats with roots
+// and selections: simd_ops.h.
 
 // 32 bytes, as AVX2 has: g++ shuffles vectors that are longer than the machine's lane by lane, in memory.
 using Lanes64 = uint64_t __attribute__((vector_size(32)));    ///< 4 lanes

@@ -31,85 +31,75 @@ struct Sample {
     double value;
 };
 
+/// A camera path with next-event estimation that records its contributions by the group of the light.
 class ContributionPath {
   public:
-    ContributionPath(const PrepareContext &context, const GroupLightSampler &chooser, PrepassPath &path,
+    ContributionPath(const PathContext &context, const GroupLightSampler &chooser, PrepassPath &path,
                      std::vector<Sample> &samples)
-        : context_(context), scene_(context.scene), chooser_(chooser), samples_(samples), rng_(path.rng),
-          lambda_(path.lambda) {
-        Follow(path.start);
+        : scene_(context.scene), chooser_(chooser), samples_(samples), rng_(path.rng), lambda_(path.lambda),
+          walk_(context, path.start) {}
+
+    void Follow(int maxDepth) {
+        const auto track = [&] { return walk_.ThroughMedium(lambda_, rng_, weights_); };
+        const auto arrive = [&](PathWalk::Met met) {
+            if (anyNonSpecular_) AddEmission(met);
+        };
+        for (int depth = 1;; ++depth) {
+            const std::optional<ReachedVertex> reached = walk_.NextVertex(lambda_, weights_, track, arrive);
+            if (!reached || depth > maxDepth) return;
+            if (reached->phase) ScatterInMedium(*reached->phase, reached->p, depth);
+            else if (!ScatterAtSurface(depth)) return;
+        }
     }
 
   private:
-    void Follow(const CameraRay &start) {
-        const PathContext paths{scene_, context_.camera, context_.samplesPerPixel, scene_.NeedsFootprints()};
-        PathWalk walk(paths, start);
-        const int most = std::min(context_.maxDepth, kMaxDepth);
-        bool anyNonSpecular = false;
-        for (int depth = 0;;) {
-            const PathWalk::Met met = walk.Next();
-            if (met == PathWalk::Met::TooManyInterfaces) return;
-            if (const Medium *medium = walk.MediumAhead()) {
-                const Ray &ray = walk.GetRay();
-                const Float u = rng_.Uniform();
-                const MediumEvent event =
-                    walk.ThroughMedium(lambda_, u, rng_, false, weights_, [](const SampledSpectrum &, Float) {});
-                if (event.kind == MediumEvent::Kind::Absorbed) return;
-                if (event.kind == MediumEvent::Kind::Scattered) {
-                    if (depth++ == most) return;
-                    const HenyeyGreenstein &phase = medium->Phase();
-                    const Point3 p = ray(event.t);
-                    const Vector3 wo = -ray.d;
-                    last_.Prepare(chooser_, LightQueryInMedium(p, wo, ray.medium, phase, ray.time, lambda_, depth),
-                                  {p, {}, {}, {}, ray.time});
-                    SampleLight(
-                        last_.from,
-                        [&](const Vector3 &wi) {
-                            return Scattering{SampledSpectrum(phase.P(wo, wi)), 1};
-                        },
-                        [&](const Vector3 &wi) { return phase.P(wo, wi); },
-                        [&](const Vector3 &) { return ray.medium; });
-                    const auto scattered = phase.SampleP(wo, rng_.Uniform2());
-                    pdf_ = scattered.p;
-                    anyNonSpecular = true;
-                    walk.ScatterInMedium(p, scattered.wi);
-                    continue;
-                }
-            }
-            if (anyNonSpecular)
-                walk.ForEachEmission(
-                    lambda_, [&](const SampledSpectrum &Le, LightId id, const Point3 &p, const Normal3 &n) {
-                        Hit(weights_.beta * Le, id, met == PathWalk::Met::Nothing, walk.GetRay().d, p, n);
-                    });
-            if (met == PathWalk::Met::Nothing) return;
-            if (!walk.FindScattering(lambda_)) continue;
-            if (depth++ == most) return;
-            const auto &[point, bsdf] = walk.Vertex();
-            if (IsNonSpecular(bsdf.Flags())) {
-                last_.Prepare(chooser_, walk.Vertex(), lambda_, depth);
-                SampleLight(
-                    ScatteringContextAt(scene_, point, bsdf),
-                    [&](const Vector3 &wi) {
-                        return Scattering{bsdf.F(point.wo, wi), AbsDot(wi, point.shading.n)};
-                    },
-                    [&](const Vector3 &wi) { return bsdf.Pdf(point.wo, wi); },
-                    [&](const Vector3 &wi) { return point.MediumTowards(wi); });
-            }
-            const Float uc = rng_.Uniform();
-            const std::optional<BsdfSample> sample = bsdf.Sample(point.wo, uc, rng_.Uniform2());
-            if (!sample) return;
-            weights_.beta *= sample->f * (AbsDot(sample->wi, point.shading.n) / sample->pdf);
-            if (!weights_.beta) return;
-            pdf_ = IsSpecular(sample->flags)   ? 0
-                   : sample->pdfIsProportional ? bsdf.Pdf(point.wo, sample->wi)
-                                               : sample->pdf;
-            anyNonSpecular = anyNonSpecular || pdf_ > 0;
-            walk.Scatter(*sample);
-            if (const Float survive = weights_.beta.MaxComponent(); depth > 1 && survive < 1) {
-                if (rng_.Uniform() >= survive) return;
-                weights_.beta /= survive;
-            }
+    void AddEmission(PathWalk::Met met) {
+        walk_.ForEachEmission(lambda_, [&](const SampledSpectrum &Le, LightId id, const Point3 &p, const Normal3 &n) {
+            Hit(weights_.beta * Le, id, met == PathWalk::Met::Nothing, walk_.GetRay().d, p, n);
+        });
+    }
+
+    void ScatterInMedium(const HenyeyGreenstein &phase, const Point3 &p, int depth) {
+        const Ray &ray = walk_.GetRay();
+        const Vector3 wo = -ray.d;
+        last_.Prepare(chooser_, LightQueryInMedium(p, wo, ray.medium, phase, ray.time, lambda_, depth),
+                      {p, {}, {}, {}, ray.time});
+        SampleLight(
+            last_.from,
+            [&](const Vector3 &wi) {
+                return Scattering{SampledSpectrum(phase.P(wo, wi)), 1};
+            },
+            [&](const Vector3 &wi) { return phase.P(wo, wi); }, [&](const Vector3 &) { return ray.medium; });
+        const HenyeyGreenstein::Sample sample = phase.SampleP(wo, rng_.Uniform2());
+        pdf_ = sample.p;
+        anyNonSpecular_ = true;
+        walk_.ScatterInMedium(p, sample.wi);
+    }
+
+    /// Returns false if the path ends.
+    bool ScatterAtSurface(int depth) {
+        const auto &[point, bsdf] = walk_.Vertex();
+        if (IsNonSpecular(bsdf.Flags())) {
+            last_.Prepare(chooser_, walk_.Vertex(), lambda_, depth);
+            SampleLight(
+                ScatteringContextAt(scene_, point, bsdf),
+                [&](const Vector3 &wi) {
+                    return Scattering{bsdf.F(point.wo, wi), AbsDot(wi, point.shading.n)};
+                },
+                [&](const Vector3 &wi) { return bsdf.Pdf(point.wo, wi); },
+                [&](const Vector3 &wi) { return point.MediumTowards(wi); });
         }
+        const std::optional<BsdfSample> sample = walk_.SampleScattering(rng_);
+        if (!sample) return false;
+        weights_.beta *= sample->f * (AbsDot(sample->wi, point.shading.n) / sample->pdf);
+        if (!weights_.beta) return false;
+        pdf_ = IsSpecular(sample->flags) ? 0 : sample->pdfIsProportional ? bsdf.Pdf(point.wo, sample->wi) : sample->pdf;
+        anyNonSpecular_ = anyNonSpecular_ || pdf_ > 0;
+        if (const Float survive = weights_.beta.MaxComponent(); depth > 1 && survive < 1) {
+            if (rng_.Uniform() >= survive) return false;
+            weights_.beta /= survive;
+        }
+        return true;
     }
 
     /// `densities`: as SpectralWeights::ru.
@@ -141,16 +131,17 @@ class ContributionPath {
         Add(L * (pLight > 0 ? PowerHeuristic(pdf_, pLight) : Float(1)), light, weights_.ru);
     }
 
-    const PrepareContext &context_;
     const Scene &scene_;
     const GroupLightSampler &chooser_;
     std::vector<Sample> &samples_;
     Rng &rng_;
     SampledWavelengths &lambda_;
+    PathWalk walk_;
     SpectralWeights weights_;
     VertexSelection last_;  ///< of the last non-specular vertex
     /// Density of the direction that left it (solid angle); 0: the last vertex was left by a specular sample.
     Float pdf_ = 0;
+    bool anyNonSpecular_ = false;
 };
 
 /// Traces about `paths` camera paths, spread over the rendered pixels, and sums the contributions of every group of
@@ -165,10 +156,12 @@ std::vector<ImageContribution> EstimateImageContributions(PrepareContext &contex
         double sum = 0;
     };
     std::vector<Tile> perTile(PrepassTileCount(context.pixelBounds));
+    const PathContext walks{context.scene, context.camera, context.samplesPerPixel, context.scene.NeedsFootprints()};
+    const int maxDepth = std::min(context.maxDepth, kMaxDepth);
     const double pathsPerPixel = perTile.empty() ? 0 : paths / double(context.pixelBounds.Area());
     ForEachPrepassPath(context, "image contributions", kStream, pathsPerPixel, [&](int64_t tile, PrepassPath &path) {
         Tile &to = perTile[tile];
-        ContributionPath(context, chooser, path, to.samples);
+        ContributionPath(walks, chooser, path, to.samples).Follow(maxDepth);
         ++to.paths;
     });
     double sum = 0, count = 0, all = 0;

@@ -4,8 +4,8 @@
 #include <limits>
 #include <numbers>
 
-#include "pbrt/lightsamplers/light_packet.h"
 #include "pbrt/math/frame.h"
+#include "pbrt/math/simd_ops.h"
 
 namespace ext {
 namespace {
@@ -22,8 +22,8 @@ constexpr size_t kPlaces = 128;
 
 using Ops = SimdOps<GuideDirections::kLanes>;
 using F = Ops::F;
-F Load(const Float *v) { return F(v, std::experimental::vector_aligned); }
-void Store(const F &v, Float *to) { v.copy_to(to, std::experimental::vector_aligned); }
+F Load(const Float *v) { return Ops::LoadAligned(v); }
+void Store(const F &v, Float *to) { Ops::StoreAligned(v, to); }
 
 /// Offset below `end`, a multiple of `stride`, of the weight that contains *left, in [0, sum of the weights). Makes
 /// *left relative to its start. If rounding puts *left past the sum: the last positive weight.
@@ -234,13 +234,13 @@ void GuideDirections::Prepare(const SourceClusters &made, const PerSourceCluster
                               const Vector3 &n, bool bothSides) {
     static_assert(kMaxSourceClusters % kLanes == 0);
     const F px(p.x), py(p.y), pz(p.z), nx(n.x), ny(n.y), nz(n.z), minFacing(bothSides ? Float(1) : Float(0));
-    const auto radianceOf = [&](size_t from) { return F(&radiances[from], std::experimental::element_aligned); };
+    const auto radianceOf = [&](size_t from) { return Ops::Load(&radiances[from]); };
     // The groups of kLanes clusters that are not all dark.
     std::array<size_t, kMaxSourceClusters / kLanes> groups{};
     size_t used = 0;
     for (size_t from = 0; from < made.count; from += kLanes) {
         groups[used] = from;
-        used += std::experimental::any_of(radianceOf(from) > F(0)) ? 1 : 0;
+        used += Ops::Any(radianceOf(from) > F(0)) ? 1 : 0;
     }
     F sum(0);
     for (size_t i = 0; i < used; ++i) {
@@ -262,7 +262,7 @@ void GuideDirections::Prepare(const SourceClusters &made, const PerSourceCluster
         sum += weightOfCone;
     }
     Store(sum, laneSums_.data());
-    total_ = std::experimental::reduce(sum);
+    total_ = Ops::Sum(sum);
     isUsable_ = total_ > 0 && std::isfinite(total_);
     end_ = isUsable_ ? used * kLanes : 0;
     perTotal_ = isUsable_ ? 1 / total_ : 0;
@@ -284,7 +284,7 @@ Float GuideDirections::Pdf(const Vector3 &w) const {
         const F cosine = x * Load(&x_[k]) + y * Load(&y_[k]) + z * Load(&z_[k]);
         sum += Ops::Select(cosine >= Load(&cosine_[k]), Load(&weight_[k]), F(0));
     }
-    return std::experimental::reduce(sum) * perTotal_;
+    return Ops::Sum(sum) * perTotal_;
 }
 
 }  // namespace ext

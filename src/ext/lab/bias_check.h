@@ -36,6 +36,7 @@ struct BiasReference {
     std::vector<AuxiliaryRuns> auxiliary{};  ///< additional images of the reference's sampler
 };
 
+/// Test of one channel in one region of the image: t = difference / standardError with `dof` degrees of freedom.
 struct RegionTest {
     int level = 0;  ///< 0: the smallest regions; every level doubles the side; the last is the whole image
     Bounds2i pixels;

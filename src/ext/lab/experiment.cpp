@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <filesystem>
 
+#include "ext/lab/pictures.h"
 #include "ext/lab/results.h"
 #include "ext/lab/sampler_run.h"
 #include "pbrt/core/files.h"

@@ -50,8 +50,7 @@ std::optional<FirstHit> FindFirstHit(const BuiltScene &built, Point2i pixel) {
     if (!start) return {};
     const PathContext context{*built.scene, *built.camera, built.samplesPerPixel, true};
     PathWalk walk(context, *start);
-    while (hit.depth < kMaxSpecular && walk.Next() == PathWalk::Met::Surface) {
-        if (!walk.FindScattering(hit.lambda)) continue;
+    while (hit.depth < kMaxSpecular && walk.NextSurface(hit.lambda)) {
         ++hit.depth;
         hit.vertex = walk.Vertex();
         const auto &[point, bsdf] = hit.vertex;
@@ -277,12 +276,12 @@ class Inspector {
         const InspectedLight *brightest = nullptr;
         std::vector<double> visible(groups_.Size());
         Rng rng(Hash(kPixelStream, pixel));
-        for (size_t g = 0; g < groups_.Size(); ++g) {
+        for (uint32_t g = 0; g < groups_.Size(); ++g) {
             const InspectedLight &light = lights_[g];
             double p = 0;
             for (size_t l = light.first.value; l < light.first.value + light.count; ++l) p += double(pmf[l]);
             if (p > 0) entropy -= p * std::log2(p);
-            Measured m = Measure(hit, from, uint32_t(g), rng, pmf);
+            Measured m = Measure(hit, from, g, rng, pmf);
             visible[g] = m.visible;
             second += m.second;
             // If the group were always selected, its second moment would be second * p.

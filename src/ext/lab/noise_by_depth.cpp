@@ -1,4 +1,4 @@
-#include "ext/lab/experiment.h"
+#include "ext/lab/noise_by_depth.h"
 
 #include <algorithm>
 #include <bit>

@@ -74,6 +74,7 @@ struct Reference {
     std::string source;           ///< file name
 };
 
+/// Extent of a rendered reference: samples, or if these are 0, seconds.
 struct ReferenceRule {
     int samples = 0;     ///< per pixel; 0: by time
     double seconds = 0;  ///< estimated from the pilot

@@ -53,7 +53,7 @@ class Measurer {
         int depth = 0;
     };
     /// f times cosine, or phase function, and the scattering density (solid angle).
-    struct Scattering {
+    struct ScatteringValue {
         SampledSpectrum f;
         Float pdf = 0;
     };
@@ -62,35 +62,23 @@ class Measurer {
         auto &[walk, lambda, rng, out, weights, depth] = path;
         Float etaScale = 1;
         while (depth < built_.maxDepth) {
-            const PathWalk::Met met = walk.Next();
-            if (met == PathWalk::Met::TooManyInterfaces) return;
-            if (walk.MediumAhead()) {
-                const Float u = rng.Uniform();
-                const MediumEvent event =
-                    walk.ThroughMedium(lambda, u, rng, false, weights, [](const SampledSpectrum &, Float) {});
-                if (event.kind == MediumEvent::Kind::Absorbed || !weights.beta) return;
-                if (event.kind == MediumEvent::Kind::Scattered) {
-                    ScatterInMedium(path, event.t);
-                    continue;
-                }
-            }
-            if (met == PathWalk::Met::Nothing) return;
-            const bool scatters = walk.FindScattering(lambda);
-            weights.onlyFirst = lambda.SecondaryTerminated();
-            if (!scatters) continue;
+            const std::optional<ReachedVertex> reached = walk.NextVertex(lambda, weights, rng);
+            if (!reached) return;
             ++depth;
+            if (reached->phase) {
+                ScatterInMedium(path, *reached->phase, reached->p);
+                continue;
+            }
             const auto &[point, bsdf] = walk.Vertex();
             if (IsNonSpecular(bsdf.Flags())) {
                 MeasureOnSurface(path);
                 Keep({LightQueryAt(walk.Vertex(), lambda, depth), bsdf, {}, lambda, lights_}, out);
             }
-            const Float uc = rng.Uniform();
-            std::optional<BsdfSample> sample = bsdf.Sample(point.wo, uc, rng.Uniform2());
+            const std::optional<BsdfSample> sample = walk.SampleScattering(rng);
             if (!sample) return;
             weights.beta *= sample->f * (AbsDot(sample->wi, point.shading.n) / sample->pdf);
             if (!weights.beta) return;
             if (IsTransmissive(sample->flags)) etaScale *= Sqr(sample->eta);
-            walk.Scatter(*sample);
             const Float survive = (weights.beta * etaScale / weights.Mean(weights.ru)).MaxComponent();
             if (survive < 1 && depth > 1) {
                 if (rng.Uniform() >= survive) return;
@@ -107,13 +95,10 @@ class Measurer {
         out.push_back(std::move(vertex));
     }
 
-    /// Measures the lights at distance t along the ray and scatters the path there.
-    void ScatterInMedium(Path &path, Float t) {
+    /// Measures the lights at p in the medium ahead and scatters the path there.
+    void ScatterInMedium(Path &path, const HenyeyGreenstein &phase, const Point3 &p) {
         auto &[walk, lambda, rng, out, weights, depth] = path;
-        const HenyeyGreenstein &phase = walk.MediumAhead()->Phase();
         const Ray ray = walk.GetRay();
-        const Point3 p = ray(t);
-        ++depth;
         // A path in a dense medium has a hundred vertices: of the later ones some are measured and represent all.
         const Float share = std::min(Float(1), kAllInMedium / Float(depth));
         if (share == 1 || rng.Uniform() < share) {
@@ -121,7 +106,7 @@ class Measurer {
                 path, {p, {}, {}, {}, ray.time}, [&](const Vector3 &) { return ray.medium; },
                 [&](const Vector3 &wi) {
                     const Float value = phase.P(-ray.d, wi);
-                    return Scattering{SampledSpectrum(value / share), value};
+                    return ScatteringValue{SampledSpectrum(value / share), value};
                 });
             const LightQuery query = LightQueryInMedium(p, -ray.d, ray.medium, phase, ray.time, lambda, depth);
             Keep({query, {}, phase, lambda, lights_}, out);
@@ -135,7 +120,7 @@ class Measurer {
             path, ScatteringContextAt(scene_, point, bsdf), [&](const Vector3 &wi) { return point.MediumTowards(wi); },
             [&](const Vector3 &wi) {
                 const SampledSpectrum f = bsdf.F(point.wo, wi) * AbsDot(wi, point.shading.n);
-                return Scattering{f, f ? bsdf.Pdf(point.wo, wi) : 0};
+                return ScatteringValue{f, f ? bsdf.Pdf(point.wo, wi) : 0};
             });
     }
 
@@ -151,7 +136,7 @@ class Measurer {
             // All directions of an environment light, also those that the render leaves to BSDF sampling.
             std::optional<LightLiSample> sample = light.SampleLi(from, u, path.lambda, false);
             if (!sample || !sample->L || !(sample->pdf > 0)) continue;
-            const Scattering to = scatter(sample->wi);
+            const ScatteringValue to = scatter(sample->wi);
             if (!to.f) continue;
             const ShadowTransmittance through =
                 TraceShadow(scene_, from, mediumTowards(sample->wi), *sample, path.lambda, path.rng);

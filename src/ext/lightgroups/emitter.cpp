@@ -1,6 +1,8 @@
 #include "ext/lightgroups/emitter.h"
 
 #include "pbrt/lights/environment_light.h"
+#include "pbrt/math/lanes.h"
+#include "pbrt/math/simd_ops.h"
 
 namespace ext {
 namespace {
@@ -32,8 +34,7 @@ void FindMoments(const LightComponent &light, double unit, Emitter *e) {
 using Ops = SimdOps<EmitterPacket::kLanes>;
 using F = Ops::F;
 using Row = EmitterRow;
-F Load(const Float *v) { return F(v, std::experimental::vector_aligned); }
-F Load(const EmitterPacket &e, size_t field) { return Load(e.field[field]); }
+F Load(const EmitterPacket &e, size_t field) { return Ops::LoadAligned(e.field[field]); }
 
 /// Mean clamped cosine over an emitter with direction cosines in [c - s, c + s] (see G); c and s times the distance.
 [[gnu::always_inline]] inline F MeanCosine(const F &c, const F &s, const F &quarterInvS) {
@@ -63,29 +64,6 @@ constexpr Float kMaxArriving = 1e36f;
     auto inCone = beyond > cosExtent || beyond * cosExtent + sinBeyond * s > cosE * d2;
     F cut = Ops::Select(inCone, Ops::Max(mean, F(1e-3f) * d), F(0));
     return Ops::Select(cosE == F(0), mean, cut);
-}
-
-using Eight = Float __attribute__((vector_size(32)));
-using EightInts = int __attribute__((vector_size(32)));
-
-[[gnu::always_inline]] inline void Transpose(Eight v[8]) {
-    constexpr EightInts kPairLow = {0, 8, 1, 9, 4, 12, 5, 13}, kPairHigh = {2, 10, 3, 11, 6, 14, 7, 15};
-    constexpr EightInts kTwoLow = {0, 1, 8, 9, 4, 5, 12, 13}, kTwoHigh = {2, 3, 10, 11, 6, 7, 14, 15};
-    constexpr EightInts kFourLow = {0, 1, 2, 3, 8, 9, 10, 11}, kFourHigh = {4, 5, 6, 7, 12, 13, 14, 15};
-    Eight a[8], b[8];
-    for (int i = 0; i < 4; ++i) {
-        a[2 * i] = __builtin_shuffle(v[2 * i], v[2 * i + 1], kPairLow);
-        a[2 * i + 1] = __builtin_shuffle(v[2 * i], v[2 * i + 1], kPairHigh);
-    }
-    for (int i = 0; i < 8; i += 4)
-        for (int k = 0; k < 2; ++k) {
-            b[i + 2 * k] = __builtin_shuffle(a[i + k], a[i + k + 2], kTwoLow);
-            b[i + 2 * k + 1] = __builtin_shuffle(a[i + k], a[i + k + 2], kTwoHigh);
-        }
-    for (int i = 0; i < 4; ++i) {
-        v[i] = __builtin_shuffle(b[i], b[i + 4], kFourLow);
-        v[i + 4] = __builtin_shuffle(b[i], b[i + 4], kFourHigh);
-    }
 }
 
 }  // namespace
@@ -182,27 +160,26 @@ void EmitterPacket::Set(size_t lane, const Emitter &emitter) {
         }
         F arriving = Ops::Min(Load(e, Row::kIntensity) * invD2, F(kMaxArriving));
         F value = Ops::Select(d2 <= r2, Load(e, Row::kInside), arriving * (emission * receiver * invD2));
-        value.copy_to(out + i * kLanes, std::experimental::element_aligned);
+        Ops::Store(value, out + i * kLanes);
         sum += value;
     }
-    return std::experimental::reduce(sum);
+    return Ops::Sum(sum);
 }
 
-Float EmitterPacket::Sum(const Float *g) { return std::experimental::reduce(Load(g)); }
+Float EmitterPacket::Sum(const Float *g) { return Ops::Sum(Ops::LoadAligned(g)); }
 
 void Gather(const EmitterRow *rows, const uint32_t *names, size_t count, EmitterPacket *packet) {
     static const EmitterRow nothing;
-    Eight low[8], high[8];
+    FloatLanes low[8], high[8];
     for (size_t i = 0; i < 8; ++i) {
         const EmitterRow &row = i < count ? rows[names[i]] : nothing;
-        low[i] = *reinterpret_cast<const Eight *>(row.field);
-        high[i] = *reinterpret_cast<const Eight *>(row.field + 8);
+        low[i] = LoadLanes<FloatLanes>(row.field);
+        high[i] = LoadLanes<FloatLanes>(row.field + 8);
     }
     Transpose(low);
     Transpose(high);
-    for (size_t f = 0; f < Row::kPacketFields; ++f)
-        *reinterpret_cast<Eight *>(packet->field[f]) = f < 8 ? low[f] : high[f - 8];
-    auto any = [](const Eight &v) {
+    for (size_t f = 0; f < Row::kPacketFields; ++f) StoreLanes(f < 8 ? low[f] : high[f - 8], packet->field[f]);
+    auto any = [](const FloatLanes &v) {
         Float most = 0;
         for (int i = 0; i < 8; ++i) most = std::max(most, v[i]);
         return most > 0;

@@ -5,7 +5,6 @@
 #include <vector>
 
 #include "pbrt/lights/light_table.h"
-#include "pbrt/lightsamplers/light_packet.h"
 #include "pbrt/lightsamplers/light_sampler.h"
 
 namespace ext {

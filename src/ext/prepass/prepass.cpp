@@ -39,35 +39,22 @@ void FollowPath(const PrepareContext &context, PrepassPath &path, int depth, std
     const PathContext paths{context.scene, context.camera, context.samplesPerPixel, context.scene.NeedsFootprints()};
     PathWalk walk(paths, start);
     SpectralWeights weights;
-    for (int vertex = 0; vertex < depth;) {
-        const PathWalk::Met met = walk.Next();
-        if (met == PathWalk::Met::TooManyInterfaces) return;
-        if (const Medium *medium = walk.MediumAhead()) {
+    for (int vertex = 0; vertex < depth; ++vertex) {
+        const std::optional<ReachedVertex> reached = walk.NextVertex(lambda, weights, rng);
+        if (!reached) return;
+        if (const HenyeyGreenstein *phase = reached->phase) {
             const Ray &ray = walk.GetRay();
-            const Float u = rng.Uniform();
-            const MediumEvent event =
-                walk.ThroughMedium(lambda, u, rng, false, weights, [](const SampledSpectrum &, Float) {});
-            if (event.kind == MediumEvent::Kind::Absorbed) return;
-            if (event.kind == MediumEvent::Kind::Scattered) {
-                ++vertex;
-                const LightSampleContext at{ray(event.t), {}, {}, {}, ray.time};
-                out.push_back({at, -ray.d, true, ray.medium, ray.medium, &medium->Phase()});
-                walk.ScatterInMedium(ray(event.t), medium->Phase().SampleP(-ray.d, rng.Uniform2()).wi);
-                continue;
-            }
+            out.push_back({{reached->p, {}, {}, {}, ray.time}, -ray.d, true, ray.medium, ray.medium, phase});
+            walk.ScatterInMedium(reached->p, phase->SampleP(-ray.d, rng.Uniform2()).wi);
+            continue;
         }
-        if (met == PathWalk::Met::Nothing) return;
-        if (!walk.FindScattering(lambda)) continue;
-        ++vertex;
         const auto &[point, bsdf] = walk.Vertex();
         const BxdfFlags flags = bsdf.Flags();
         if (IsNonSpecular(flags))
             out.push_back({LightContextAt(point), point.wo, IsTransmissive(flags), point.insideMedium,
                            point.outsideMedium, nullptr});
-        const Float uc = rng.Uniform();
-        const std::optional<BsdfSample> sample = bsdf.Sample(point.wo, uc, rng.Uniform2());
+        const std::optional<BsdfSample> sample = walk.SampleScattering(rng);
         if (!sample || !sample->f) return;
-        walk.Scatter(*sample);
     }
 }
 

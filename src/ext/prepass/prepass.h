@@ -34,8 +34,9 @@ std::vector<PrepassVertex> TracePrepassPaths(PrepareContext &context, double sam
 double VisibleContribution(const Scene &scene, const PrepassVertex &vertex, const LightComponent &light,
                            const Point2 &u);
 
+/// Start of a path: camera ray, and what its continuation uses and changes. Belongs to one call of `follow`.
 struct PrepassPath {
-    Rng rng;
+    Rng rng;  ///< after the numbers of the camera ray
     SampledWavelengths lambda;
     CameraRay start;
 };

@@ -27,7 +27,7 @@ Float RatioOf(double found, Float g) {
     return std::isfinite(ratio) ? ratio : 0;
 }
 
-bool IsMine(const Team &team, size_t chunk) { return chunk % size_t(team.Size()) == size_t(team.Rank()); }
+bool IsMine(const Team &team, int64_t chunk) { return chunk % team.Size() == team.Rank(); }
 
 /// Draws lights at one point in proportion to G.
 class Draws {
@@ -59,6 +59,68 @@ class Draws {
 };
 static_assert(LightTree::kBaseNodes + LightTree::kFarNodes <= kMaxScanned);
 
+/// Traces the shadow rays of vertices; see TraceVisibility.
+class ShadowRayTracer {
+  public:
+    ShadowRayTracer(const Scene &scene, const LightGroups &groups, const GroupImportance &importance,
+                    const MeshInterior &interior, const LightTree *tree, size_t perRecord)
+        : scene_(scene), groups_(groups.Size()), importance_(importance), interior_(interior), tree_(tree),
+          perRecord_(perRecord) {}
+
+    /// Appends a record, unless no group could contribute. `g`: memory that calls reuse.
+    void Trace(const PrepassVertex &vertex, Rng &rng, std::vector<Float> &g, VisibilityRecords &out) const {
+        const LightQuery query = QueryAt(vertex);
+        const size_t first = out.rays.size();
+        if (perRecord_ >= groups_) TraceToAll(vertex, query, rng, g, out.rays);
+        else TraceToDrawn(vertex, query, rng, out.rays);
+        if (out.rays.size() > first)
+            out.records.push_back({vertex.at.p, uint32_t(first), uint32_t(out.rays.size() - first)});
+    }
+
+  private:
+    void TraceToAll(const PrepassVertex &vertex, const LightQuery &query, Rng &rng, std::vector<Float> &g,
+                    std::vector<ShadowRay> &rays) const {
+        g.resize(importance_.Padded());
+        const Float sum = importance_.Evaluate(query, g);
+        if (!(sum > 0)) return;
+        for (uint32_t i = 0; i < groups_; ++i) {
+            if (!(g[i] > 0)) continue;
+            Float share = g[i] / sum;
+            const double found = SampleGroup(scene_, vertex, query, interior_, i, rng);
+            rays.push_back({i, share, share, RatioOf(found, g[i])});
+        }
+    }
+    void TraceToDrawn(const PrepassVertex &vertex, const LightQuery &query, Rng &rng,
+                      std::vector<ShadowRay> &rays) const {
+        const size_t first = rays.size();
+        const Draws draws(importance_, tree_, query);
+        double total = 0;
+        for (size_t k = 0; k < perRecord_; ++k) {
+            // Stratified in `perRecord_` equal strata.
+            const Float u = (Float(k) + rng.Uniform()) / Float(perRecord_);
+            std::optional<SampledLight> drawn = draws.Draw(std::min(u, OneMinusEpsilon));
+            if (!drawn) continue;
+            const Float g = importance_.Of(query, drawn->light.value);
+            if (!(g > 0)) continue;
+            const double found = SampleGroup(scene_, vertex, query, interior_, drawn->light.value, rng);
+            total += double(g / drawn->pmf);
+            rays.push_back({drawn->light.value, g, g / drawn->pmf, RatioOf(found, g)});
+        }
+        const double unoccluded = total / double(perRecord_);
+        for (size_t t = first; t < rays.size(); ++t) {
+            rays[t].share = Float(double(rays[t].share) / unoccluded);
+            rays[t].weight = Float(double(rays[t].weight) / total);
+        }
+    }
+
+    const Scene &scene_;
+    const size_t groups_;
+    const GroupImportance &importance_;
+    const MeshInterior &interior_;
+    const LightTree *tree_;
+    const size_t perRecord_;
+};
+
 void Exchange(Team &team, std::vector<VisibilityRecords> &chunks) {
     std::vector<bool> isHere(chunks.size());
     for (size_t i = 0; i < chunks.size(); ++i) isHere[i] = IsMine(team, i);
@@ -76,6 +138,21 @@ void Exchange(Team &team, std::vector<VisibilityRecords> &chunks) {
                 isHere[i] = true;
             }
         });
+}
+
+/// The records of all chunks in order; empties the chunks.
+VisibilityRecords Concatenate(std::vector<VisibilityRecords> &chunks) {
+    VisibilityRecords result;
+    for (VisibilityRecords &chunk : chunks) {
+        const auto offset = uint32_t(result.rays.size());
+        for (VisibilityRecord &r : chunk.records) {
+            r.firstRay += offset;
+            result.records.push_back(r);
+        }
+        result.rays.insert(result.rays.end(), chunk.rays.begin(), chunk.rays.end());
+        chunk = {};
+    }
+    return result;
 }
 
 }  // namespace
@@ -112,71 +189,20 @@ VisibilityRecords TraceVisibility(PrepareContext &context, std::span<const Prepa
             "octree: the prepass has {} vertices, each with {} shadow rays; more than {} shadow "
             "rays cannot be stored. Lower \"prepassspp\" or \"tries\".",
             vertices.size(), perRecord, std::numeric_limits<uint32_t>::max());
-    std::vector<VisibilityRecords> chunks(size_t((count + kChunk - 1) / kChunk));
-    context.progress.BeginPhase("shadow rays", int64_t(chunks.size()));
-    const bool all = perRecord >= groups.Size();
-
-    auto traceToAll = [&](const PrepassVertex &vertex, const LightQuery &query, std::vector<Float> &g, Rng &rng,
-                          VisibilityRecords &out) {
-        const Float sum = importance.Evaluate(query, g);
-        if (!(sum > 0)) return;
-        for (uint32_t i = 0; i < groups.Size(); ++i) {
-            if (!(g[i] > 0)) continue;
-            Float share = g[i] / sum;
-            const double found = SampleGroup(context.scene, vertex, query, interior, i, rng);
-            out.rays.push_back({i, share, share, RatioOf(found, g[i])});
-        }
-    };
-    auto traceToDrawn = [&](const PrepassVertex &vertex, const LightQuery &query, Rng &rng, VisibilityRecords &out) {
-        const size_t first = out.rays.size();
-        const Draws draws(importance, tree, query);
-        double total = 0;
-        for (size_t k = 0; k < perRecord; ++k) {
-            // Stratified in `perRecord` equal strata.
-            const Float u = (Float(k) + rng.Uniform()) / Float(perRecord);
-            std::optional<SampledLight> drawn = draws.Draw(std::min(u, OneMinusEpsilon));
-            if (!drawn) continue;
-            const Float g = importance.Of(query, drawn->light.value);
-            if (!(g > 0)) continue;
-            const double found = SampleGroup(context.scene, vertex, query, interior, drawn->light.value, rng);
-            total += double(g / drawn->pmf);
-            out.rays.push_back({drawn->light.value, g, g / drawn->pmf, RatioOf(found, g)});
-        }
-        const double unoccluded = total / double(perRecord);
-        for (size_t t = first; t < out.rays.size(); ++t) {
-            out.rays[t].share = Float(double(out.rays[t].share) / unoccluded);
-            out.rays[t].weight = Float(double(out.rays[t].weight) / total);
-        }
-    };
-
-    ParallelForEach(int64_t(chunks.size()), [&](int64_t chunk) {
-        if (context.progress.Cancelled() || !IsMine(context.team, size_t(chunk))) return;
-        VisibilityRecords &out = chunks[size_t(chunk)];
-        std::vector<Float> g(all ? importance.Padded() : 0);
+    std::vector<VisibilityRecords> chunks((count + kChunk - 1) / kChunk);
+    context.progress.BeginPhase("shadow rays", chunks.size());
+    const ShadowRayTracer tracer(context.scene, groups, importance, interior, tree, perRecord);
+    ParallelForEach(chunks.size(), [&](int64_t chunk) {
+        if (context.progress.Cancelled() || !IsMine(context.team, chunk)) return;
+        std::vector<Float> g;
         for (int64_t i = chunk * kChunk; i < std::min((chunk + 1) * kChunk, count); ++i) {
-            const PrepassVertex &vertex = vertices[size_t(i)];
-            const LightQuery query = QueryAt(vertex);
             Rng rng(Hash(uint64_t(0x7669736962), context.seed, i));
-            const size_t first = out.rays.size();
-            if (all) traceToAll(vertex, query, g, rng, out);
-            else traceToDrawn(vertex, query, rng, out);
-            if (out.rays.size() > first)
-                out.records.push_back({vertex.at.p, uint32_t(first), uint32_t(out.rays.size() - first)});
+            tracer.Trace(vertices[i], rng, g, chunks[chunk]);
         }
         context.progress.Advance();
     });
-
     Exchange(context.team, chunks);
-    VisibilityRecords result;
-    for (VisibilityRecords &chunk : chunks) {
-        const auto offset = uint32_t(result.rays.size());
-        for (VisibilityRecord &r : chunk.records) {
-            r.firstRay += offset;
-            result.records.push_back(r);
-        }
-        result.rays.insert(result.rays.end(), chunk.rays.begin(), chunk.rays.end());
-        chunk = {};
-    }
+    VisibilityRecords result = Concatenate(chunks);
     context.progress.EndPhase();
     return result;
 }

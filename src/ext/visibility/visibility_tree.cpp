@@ -87,7 +87,7 @@ CellOctree::CellOctree(const Bounds3 &bounds) {
 const std::array<Float, 256> &VisibilityTree::Table() {
     static const std::array<Float, 256> table = [] {
         std::array<Float, 256> t;
-        for (int i = 0; i < 256; ++i) t[size_t(i)] = std::exp2((Float(i) - 192) / 8);
+        for (int i = 0; i < 256; ++i) t[i] = std::exp2((Float(i) - 192) / 8);
         return t;
     }();
     return table;

@@ -112,7 +112,7 @@ class VisibilityTreeBuilder {
         std::iota(order_.begin(), order_.end(), 0u);
         nodes_.resize(1);
         nodes_[0].end = uint32_t(order_.size());
-        const auto splitAbove = size_t(settings_.records) * size_t(settings_.lights ? settings_.raysPerRecord : 4);
+        const auto splitAbove = size_t(settings_.records) * (settings_.lights ? settings_.raysPerRecord : 4);
         auto sizeOf = [&](uint32_t begin, uint32_t end) {
             if (!settings_.lights) return size_t(end - begin);
             size_t rays = 0;
@@ -156,13 +156,13 @@ class VisibilityTreeBuilder {
             sums.shrink_to_fit();
         };
         const bool all = settings_.lights == nullptr;
-        ParallelFor(int64_t(nodes_.size()), 16, [&](int64_t first, int64_t last) {
-            for (auto n = size_t(first); n < size_t(last); ++n) {
+        ParallelFor(nodes_.size(), 16, [&](int64_t first, int64_t last) {
+            for (int64_t n = first; n < last; ++n) {
                 if (Stopped()) return;
                 Node &node = nodes_[n];
                 node.sums.clear();
                 if (node.firstChild != 0) continue;
-                if (all) node.sums.resize(size_t(settings_.lightCount));
+                if (all) node.sums.resize(settings_.lightCount);
                 for (uint32_t i = node.begin; i < node.end; ++i) {
                     if (half != kAllRecords && HalfOf(order_[i]) != half) continue;
                     const VisibilityRecord &record = records_[order_[i]];
@@ -203,9 +203,8 @@ class VisibilityTreeBuilder {
         // Parents precede children, and nodes of equal depth are consecutive (breadth-first).
         for (size_t begin = 0, end = 0; begin < nodes_.size(); begin = end) {
             while (end < nodes_.size() && nodes_[end].depth == nodes_[begin].depth) ++end;
-            ParallelFor(int64_t(end - begin), 8, [&](int64_t first, int64_t last) {
-                const size_t stop = begin + size_t(last);
-                for (size_t n = begin + size_t(first); n < stop && !Stopped(); ++n)
+            ParallelFor(end - begin, 8, [&](int64_t first, int64_t last) {
+                for (size_t n = begin + first, stop = begin + last; n < stop && !Stopped(); ++n)
                     EstimateNode(nodes_[n], n == 0 ? nullptr : &nodes_[nodes_[n].parent]);
             });
         }
@@ -222,7 +221,7 @@ class VisibilityTreeBuilder {
                                {4 * k, settings_.secondMoment, size_t(settings_.cut)});
             return;
         }
-        std::vector<const ShadowRaySums *> of(size_t(settings_.lightCount), nullptr);
+        std::vector<const ShadowRaySums *> of(settings_.lightCount, nullptr);
         for (const ShadowRaySums &s : node.sums) of[s.light] = &s;
         for (uint32_t l = 0; l < of.size(); ++l) {
             const ShadowRaySums *s = of[l];
@@ -254,12 +253,12 @@ class VisibilityTreeBuilder {
         std::vector<double> best(order_.size(), 0);
         int deepest = 0;
         for (const Node &n : nodes_) deepest = std::max(deepest, n.depth);
-        std::vector<std::vector<uint32_t>> levels(size_t(deepest) + 1);
-        for (uint32_t n = 0; n < nodes_.size(); ++n) levels[size_t(nodes_[n].depth)].push_back(n);
+        std::vector<std::vector<uint32_t>> levels(deepest + 1);
+        for (uint32_t n = 0; n < nodes_.size(); ++n) levels[nodes_[n].depth].push_back(n);
         for (size_t level = levels.size(); level-- > 0;)
-            ParallelForEach(int64_t(levels[level].size()), [&](int64_t index) {
+            ParallelForEach(levels[level].size(), [&](int64_t index) {
                 if (Stopped()) return;
-                Node &node = nodes_[levels[level][size_t(index)]];
+                Node &node = nodes_[levels[level][index]];
                 double here = 0, below = 0, squares = 0;
                 std::vector<double> loss(node.end - node.begin, 0);
                 for (uint32_t i = node.begin; i < node.end; ++i) {
@@ -314,28 +313,30 @@ class VisibilityTreeBuilder {
             leaves_.push_back({node.depth, node.end - node.begin});
             tree.depth_ = std::max(tree.depth_, node.depth);
         }
-        auto place = [&](auto &&self, uint32_t cell, uint32_t n) -> void {
-            if (IsLeaf(nodes_[n])) {
-                tree.cells_.SetLeaf(cell, rows[n]);
-                recordsPerNode_.resize(tree.cells_.NodeCount());
-                recordsPerNode_[cell] = nodes_[n].end - nodes_[n].begin;
-                return;
-            }
-            const uint32_t first = tree.cells_.Split(cell);
-            for (uint32_t c = 0; c < 8; ++c) self(self, first + c, nodes_[n].firstChild + c);
-        };
         for (uint32_t top = 0; top < CellOctree::TopCount; ++top) {
             const glm::uvec3 at(top & 3, (top >> 2) & 3, top >> 4);
             uint32_t n = 0;
             for (int bit = 1; bit >= 0 && !IsLeaf(nodes_[n]); --bit)
                 n = nodes_[n].firstChild + CellOctree::Child(at, bit);
-            place(place, top, n);
+            PlaceLeaves(tree.cells_, rows, top, n);
         }
         tree.cells_.ShrinkToFit();
         tree.offset_.shrink_to_fit();
         tree.nodes_.shrink_to_fit();
         tree.codes_.shrink_to_fit();
         return tree;
+    }
+    /// Sets the leaves of `cell`, which is node n; `rows`: of the leaves.
+    void PlaceLeaves(CellOctree &cells, const std::vector<uint32_t> &rows, uint32_t cell, uint32_t n) {
+        const Node &node = nodes_[n];
+        if (IsLeaf(node)) {
+            cells.SetLeaf(cell, rows[n]);
+            recordsPerNode_.resize(cells.NodeCount());
+            recordsPerNode_[cell] = node.end - node.begin;
+            return;
+        }
+        const uint32_t first = cells.Split(cell);
+        for (uint32_t c = 0; c < 8; ++c) PlaceLeaves(cells, rows, first + c, node.firstChild + c);
     }
     bool IsLeaf(const Node &n) const { return n.firstChild == 0 || n.pruned; }
 

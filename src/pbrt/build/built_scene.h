@@ -16,6 +16,8 @@
 
 namespace pbrt {
 
+/// What the command line changes of a scene; the defaults change nothing. Invalid values are reported when building, by
+/// the flag or directive that set them.
 struct BuildOptions {
     FilmOverrides film;
     int samplesPerPixel = 0;  ///< --spp; 0: the scene's

@@ -33,10 +33,11 @@ struct CameraConnection {
     Float weight = 0;
 };
 
+/// Placement, image and exposure of a camera.
 struct CameraFrame {
     AnimatedTransform renderFromCamera;
-    Point2i resolution{1, 1};
-    Float shutterOpen = 0, shutterClose = 1;
+    Point2i resolution{1, 1};                 ///< pixels of the whole film
+    Float shutterOpen = 0, shutterClose = 1;  ///< times of rays, in the unit of TransformTimes
 };
 
 /// Cameras are defined in camera space: at the origin, looking along +z, x right, y up. This base transforms to

@@ -7,6 +7,7 @@
 
 namespace pbrt {
 
+/// Parameters of a CameraPath, from the scene's integrator and the command line; constant during a render.
 struct PathSettings {
     int maxDepth = 5;         ///< scattering events; 0: emission only, 1: direct light
     bool regularize = false;  ///< roughen specular lobes after the first non-specular bounce
@@ -22,6 +23,7 @@ struct PathSettings {
     bool tracksMedia = false;  ///< volpath in a scene with media
 };
 
+/// What all paths of a render share. Owns nothing: its members must outlive the paths.
 struct CameraPathSetup {
     const PathContext &context;
     const PathSettings &settings;

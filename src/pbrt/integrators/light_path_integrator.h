@@ -71,19 +71,19 @@ class LightPathIntegrator final : public PixelIntegrator {
 
         void Follow(const Ray &ray) {
             PathWalk walk(context_, ray);
-            for (int depth = 0;;) {
-                const PathWalk::Met met = walk.Next();
-                if (met == PathWalk::Met::TooManyInterfaces) return;
-                if (hasMedia_) {
-                    const Medium *inside = walk.MediumAhead();
-                    const MediumEvent::Kind kind =
-                        inside ? ThroughMedium(walk, *inside, depth) : MediumEvent::Kind::Passed;
-                    if (kind == MediumEvent::Kind::Absorbed) return;
-                    if (kind == MediumEvent::Kind::Scattered) continue;
-                }
-                if (met == PathWalk::Met::Nothing) return;
-                if (!walk.FindScattering(lambda_)) continue;
-                if (depth++ == integrator_.maxDepth_ || !Scatter(walk)) return;
+            const auto track = [&] {
+                if (!hasMedia_) return MediumEvent{};
+                const Float u = sampler_.Get1D();
+                Rng rng = NumbersAlong(walk.GetRay(), u);
+                return walk.ThroughMedium(lambda_, u, rng, false, weights_, [](auto &&, Float) {});
+            };
+            for (int depth = 0;; ++depth) {
+                const std::optional<ReachedVertex> reached =
+                    walk.NextVertex(lambda_, weights_, track, [](PathWalk::Met) {});
+                if (!reached || depth == integrator_.maxDepth_) return;
+                ++ThreadCounters().pathVertices;
+                if (reached->phase) ScatterInMedium(walk, *reached->phase, reached->p);
+                else if (!ScatterAtSurface(walk)) return;
             }
         }
 
@@ -115,31 +115,17 @@ class LightPathIntegrator final : public PixelIntegrator {
                 AddFilteredSplat(pass_.film, pass_.filter, places[i], radiance, lambda_);
         }
 
-        /// Event in the medium ahead; Absorbed if the path ends.
-        MediumEvent::Kind ThroughMedium(PathWalk &walk, const Medium &inside, int &depth) {
-            using Kind = MediumEvent::Kind;
-            const SampledSpectrum &beta = weights_.beta;
+        void ScatterInMedium(PathWalk &walk, const HenyeyGreenstein &phase, const Point3 &p) {
             const Ray &at = walk.GetRay();
-            const Float u = sampler_.Get1D();
-            Rng rng = NumbersAlong(at, u);
-            const MediumEvent event = walk.ThroughMedium(lambda_, u, rng, false, weights_, [](auto &&, Float) {});
-            if (event.kind == Kind::Absorbed || !beta) return Kind::Absorbed;
-            if (event.kind != Kind::Scattered) return event.kind;
-            if (depth++ == integrator_.maxDepth_) return Kind::Absorbed;
-            ++ThreadCounters().pathVertices;
-            const Point3 p = at(event.t);
             const Vector3 wo = -at.d;
-            const HenyeyGreenstein &phase = inside.Phase();
             Splat(
                 {p, {}, {}, {}, time_}, sampler_.Get2D(), [&](const Vector3 &) { return at.medium; },
-                [&](const Vector3 &wi) { return beta * phase.P(wo, wi); });
+                [&](const Vector3 &wi) { return weights_.beta * phase.P(wo, wi); });
             walk.ScatterInMedium(p, phase.SampleP(wo, sampler_.Get2D()).wi);
-            return Kind::Scattered;
         }
 
         /// Returns false if the path ends.
-        bool Scatter(PathWalk &walk) {
-            ++ThreadCounters().pathVertices;
+        bool ScatterAtSurface(PathWalk &walk) {
             SampledSpectrum &beta = weights_.beta;
             const auto &[point, bsdf] = walk.Vertex();
             const Point2 uLens = sampler_.Get2D();

@@ -154,36 +154,31 @@ class SimpleVolPathIntegrator final : public PixelIntegrator {
         weights.onlyFirst = true;
         SampledSpectrum L(0);
         ++ThreadCounters().cameraPaths;
-        for (int depth = 0;;) {
-            const PathWalk::Met met = walk.Next();
-            if (met == PathWalk::Met::TooManyInterfaces) break;
-            if (const Medium *medium = walk.MediumAhead()) {
-                const Ray &ray = walk.GetRay();
-                const Float u = sampler.Get1D();
-                Rng rng = NumbersAlong(ray, u);
-                const MediumEvent event = walk.ThroughMedium(
-                    lambda, u, rng, true, weights, [&](const SampledSpectrum &radiance, Float) { L += radiance; });
-                if (event.kind == MediumEvent::Kind::Absorbed) break;
-                if (event.kind == MediumEvent::Kind::Scattered) {
-                    if (depth++ == maxDepth_) break;
-                    ++ThreadCounters().pathVertices;
-                    walk.ScatterInMedium(ray(event.t), medium->Phase().SampleP(-ray.d, sampler.Get2D()).wi);
-                    continue;
-                }
-            }
+        const auto track = [&] {
+            const Float u = sampler.Get1D();
+            Rng rng = NumbersAlong(walk.GetRay(), u);
+            return walk.ThroughMedium(lambda, u, rng, true, weights,
+                                      [&](const SampledSpectrum &radiance, Float) { L += radiance; });
+        };
+        const auto arrive = [&](PathWalk::Met) {
             walk.ForEachEmission(lambda, [&](const SampledSpectrum &Le, LightId, const Point3 &, const Normal3 &) {
                 L += weights.beta * Le;
             });
-            if (met == PathWalk::Met::Nothing) break;
-            if (!walk.FindScattering(lambda)) continue;
-            const auto &[point, bsdf] = walk.Vertex();
-            const Float uComponent = sampler.Get1D();
-            if (bsdf.Sample(point.wo, uComponent, sampler.Get2D()))
-                throw UserError(
-                    "Integrator \"simplevolpath\" follows light through media only, and a path has met a surface "
-                    "that scatters; \"volpath\" renders such scenes.");
-            break;
+        };
+        for (int depth = 0;; ++depth) {
+            const std::optional<ReachedVertex> reached = walk.NextVertex(lambda, weights, track, arrive);
+            if (!reached) return L;
+            if (!reached->phase) break;
+            if (depth == maxDepth_) return L;
+            ++ThreadCounters().pathVertices;
+            walk.ScatterInMedium(reached->p, reached->phase->SampleP(-walk.GetRay().d, sampler.Get2D()).wi);
         }
+        const auto &[point, bsdf] = walk.Vertex();
+        const Float uComponent = sampler.Get1D();
+        if (bsdf.Sample(point.wo, uComponent, sampler.Get2D()))
+            throw UserError(
+                "Integrator \"simplevolpath\" follows light through media only, and a path has met a surface "
+                "that scatters; \"volpath\" renders such scenes.");
         return L;
     }
 
@@ -202,9 +197,7 @@ class AmbientOcclusionIntegrator final : public PixelIntegrator {
     SampledSpectrum Li(const PathStart &start, SampledWavelengths &lambda, Sampler &sampler) const override {
         PathWalk walk(context_, start.ray, start.visible);
         ++ThreadCounters().cameraPaths;
-        do {
-            if (walk.Next() != PathWalk::Met::Surface) return SampledSpectrum(0);
-        } while (!walk.FindScattering(lambda));
+        if (!walk.NextSurface(lambda)) return SampledSpectrum(0);
         const SurfacePoint &point = walk.Vertex().point;
         const Normal3 n = FaceForward(point.n, point.wo);
         const Point2 u = sampler.Get2D();

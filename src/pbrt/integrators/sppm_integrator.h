@@ -127,8 +127,7 @@ class SppmIntegrator final : public PixelIntegrator {
         ray.time = anywhere.time;
         ray.medium = scene.MediumOfLight(chosen->light, left->n, left->ray.d);
         PathWalk walk(context_, ray);
-        for (int scatterings = 0; beta && walk.Next() == PathWalk::Met::Surface;) {
-            if (!walk.FindScattering(lambda)) continue;
+        for (int scatterings = 0; beta && walk.NextSurface(lambda);) {
             const auto &[point, bsdf] = walk.Vertex();
             // Light at its first surface is covered by the camera paths' direct lighting.
             const Float cosine = AbsDot(point.wo, point.n);

@@ -5,6 +5,8 @@
 
 namespace pbrt {
 
+/// Light from outside the scene's bounding sphere, which Preprocess sets. Emission is sampled over the disk of the
+/// sphere across the direction (area measure), and in direction by solid angle.
 class LightBeyondScene : public Light {
   public:
     void Preprocess(const Point3 &sceneCenter, Float sceneRadius) final {

@@ -85,7 +85,7 @@ PortalMap PortalMap::Integrate(const EnvironmentLight &light, const Frame &frame
             for (int k = 0; k < kDetail * kDetail; ++k) {
                 const Point2 low = corner(divided[d]) + Point2(k % kDetail, k / kDetail) * part;
                 const CellRadiance cell = EvaluateMapCell(light, frame, low, part, 3, 1);
-                Float &value = map.details_[d][size_t(k)];
+                Float &value = map.details_[d][k];
                 value = std::max(cell.mean, kBesidePart * cell.max);
                 total += double(value);
             }
@@ -98,8 +98,7 @@ PortalMap PortalMap::Integrate(const EnvironmentLight &light, const Frame &frame
 
 Float PortalMap::DividedPixel::OfColumn(int x) const {
     Float sum = 0;
-    for (int y = First(1); y <= Last(1); ++y)
-        sum += std::max(Overlap(y, 1), Float(0)) * (*detail)[size_t(y * kDetail + x)];
+    for (int y = First(1); y <= Last(1); ++y) sum += std::max(Overlap(y, 1), Float(0)) * (*detail)[y * kDetail + x];
     return sum * std::max(Overlap(x, 0), Float(0));
 }
 
@@ -113,7 +112,7 @@ std::optional<PortalMap::DividedPixel> PortalMap::DividedPixelAt(const Point2 &s
                                                                  Point2 *pixel) const {
     const auto n = Float(n_);
     const Point2i at = glm::clamp(Point2i(st * n), Point2i(0), Point2i(n_ - 1));
-    const uint32_t detail = detailOf_[size_t(at.y) * size_t(n_) + size_t(at.x)];
+    const uint32_t detail = detailOf_[size_t(at.y) * n_ + at.x];
     if (detail == 0) return {};
     *pixel = Point2(at);
     const auto inParts = [&](const Point2 &p) {
@@ -153,10 +152,10 @@ std::optional<PortalMap::Sample> PortalMap::Draw(const Point2 &u, const Bounds2 
     const int x = choose(
         v.x * sum, 0, [&](int i) { return part->OfColumn(i); }, &at.x);
     if (x < 0) return {};
-    const auto inColumn = [&](int y) { return part->Overlap(y, 1) * (*part->detail)[size_t(y * kDetail + x)]; };
+    const auto inColumn = [&](int y) { return part->Overlap(y, 1) * (*part->detail)[y * kDetail + x]; };
     const int y = choose(v.y * part->OfColumn(x) / part->Overlap(x, 0), 1, inColumn, &at.y);
     if (y < 0) return {};
-    s.pdf *= extent.x * extent.y * (*part->detail)[size_t(y * kDetail + x)] / sum;
+    s.pdf *= extent.x * extent.y * (*part->detail)[y * kDetail + x] / sum;
     s.st = glm::clamp((pixel + at / Float(kDetail)) / Float(n_), window.low, window.high);
     return s.pdf > 0 ? std::optional(s) : std::nullopt;
 }
@@ -170,7 +169,7 @@ Float PortalMap::Pdf(const Point2 &st, const Bounds2 &window) const {
     const Point2i at = glm::clamp(Point2i(in), Point2i(0), Point2i(kDetail - 1));
     const Vector2 extent = part->window.high - part->window.low;
     const Float sum = part->Sum();
-    return sum > 0 ? pdf * extent.x * extent.y * (*part->detail)[size_t(at.y * kDetail + at.x)] / sum : 0;
+    return sum > 0 ? pdf * extent.x * extent.y * (*part->detail)[at.y * kDetail + at.x] / sum : 0;
 }
 
 std::optional<Vector3> PortalMap::SampleDirection(const Point2 &u, const Bounds2 &window, Float *pdf) const {

@@ -68,7 +68,7 @@ std::shared_ptr<const DenseSpectrum> InternSpectrum(const Spectrum &s) {
 SampledSpectrum AverageIlluminant(const Image &image, const ColorSpace &colorSpace, const SampledWavelengths &lambda,
                                   const std::function<Float(int, int)> &weight) {
     Point2i n = image.Resolution();
-    std::vector<SampledSpectrum> rows(size_t(n.y));
+    std::vector<SampledSpectrum> rows(n.y);
     ParallelFor(n.y, 8, [&](int64_t begin, int64_t end) {
         for (int64_t y = begin; y < end; ++y) {
             SampledSpectrum sum;
@@ -76,7 +76,7 @@ SampledSpectrum AverageIlluminant(const Image &image, const ColorSpace &colorSpa
                 SampledSpectrum L = PixelIlluminant(image, {x, int(y)}, colorSpace, lambda);
                 sum += weight ? weight(x, int(y)) * L : L;
             }
-            rows[size_t(y)] = sum / Float(n.x);
+            rows[y] = sum / Float(n.x);
         }
     });
     SampledSpectrum sum;

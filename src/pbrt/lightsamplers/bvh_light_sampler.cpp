@@ -4,11 +4,10 @@
 
 #include <array>
 #include <bit>
-#include <cstring>
 #include <nlohmann/json.hpp>
 
 #include "pbrt/core/error.h"
-#include "pbrt/lightsamplers/light_packet.h"
+#include "pbrt/math/simd_ops.h"
 
 namespace pbrt {
 namespace {
@@ -61,6 +60,53 @@ struct Split {
     double cost = std::numeric_limits<double>::infinity();
 };
 
+/// Split of least cost into buckets of centroids; its cost is infinite if there is none. `box`: around the items.
+template <class Item>
+Split FindSplit(std::span<const Item> items, const Bounds3 &box, const Bounds3 &centroids) {
+    const Vector3 extent = box.Diagonal();
+    Split best;
+    for (int axis = 0; axis < 3; ++axis) {
+        Float low = centroids.low[axis], high = centroids.high[axis];
+        if (!(high > low)) continue;
+        std::array<LightBounds, kBuckets> buckets, above;
+        for (const Item &item : items) {
+            LightBounds &bucket = buckets[BucketOf(item.centroid[axis], low, high)];
+            bucket = Union(bucket, item.bounds);
+        }
+        above[kBuckets - 1] = buckets[kBuckets - 1];
+        for (size_t i = kBuckets - 1; i > 0; --i) above[i - 1] = Union(buckets[i - 1], above[i]);
+        Float stretch = MaxComponent(extent) / std::max(extent[axis], std::numeric_limits<Float>::min());
+        LightBounds below;
+        for (size_t i = 0; i + 1 < kBuckets; ++i) {
+            below = Union(below, buckets[i]);
+            const double cost = SplitCost(below, stretch) + SplitCost(above[i + 1], stretch);
+            if (cost > 0 && cost < best.cost) best = {axis, int(i), cost};
+        }
+    }
+    return best;
+}
+
+/// Reorders the items by a split, or without one by halves, and returns the number of items in the first part.
+template <class Item>
+size_t Divide(std::span<Item> items, const Split &split, const Bounds3 &centroids) {
+    size_t middle = 0;
+    if (std::isfinite(split.cost)) {
+        Float low = centroids.low[split.axis], high = centroids.high[split.axis];
+        auto end = std::partition(items.begin(), items.end(), [&](const Item &item) {
+            return BucketOf(item.centroid[split.axis], low, high) <= split.bucket;
+        });
+        middle = size_t(end - items.begin());
+    }
+    if (middle == 0 || middle == items.size()) {
+        int axis = centroids.LongestAxis();
+        middle = items.size() / 2;
+        std::nth_element(items.begin(), items.begin() + middle, items.end(), [axis](const Item &a, const Item &b) {
+            return a.centroid[axis] != b.centroid[axis] ? a.centroid[axis] < b.centroid[axis] : a.light < b.light;
+        });
+    }
+    return middle;
+}
+
 }  // namespace
 
 LightBvhNode::LightBvhNode(const LightBounds &bounds, bool isLeaf, uint32_t link) {
@@ -110,21 +156,9 @@ LightBvhNode LightBvhBlock::Node(uint32_t lane) const {
 
 // noinline: bit-identical results for all call sites.
 [[gnu::noinline]] void LightBvhBlock::Importances(const Point3 &p, const Normal3 &n, Float out[kLanes]) const {
-    namespace simd = std::experimental;
     using Ops = SimdOps<kLanes>;
     using F = Ops::F;
-    using Codes = uint16_t __attribute__((vector_size(2 * kLanes)));
-    using Numbers = int32_t __attribute__((vector_size(4 * kLanes)));
-    using Values = Float __attribute__((vector_size(4 * kLanes)));
-    auto load = [](const Float *v) { return F(v, simd::element_aligned); };
-    auto cosine = [](const uint16_t *q) {
-        Codes codes;
-        std::memcpy(&codes, q, sizeof codes);
-        const Values values = __builtin_convertvector(__builtin_convertvector(codes, Numbers), Values);
-        alignas(F) Float v[kLanes];
-        std::memcpy(v, &values, sizeof v);
-        return F(v, simd::vector_aligned) * F(2 / kSteps) - F(1);
-    };
+    auto cosine = [](const uint16_t *codes) { return Ops::Load(codes) * F(2 / kSteps) - F(1); };
     auto withSign = [](const F &size, const F &sign) { return Ops::Select(sign < F(0), -size, size); };
 
     const F u = cosine(axisU), v = cosine(axisV);
@@ -132,11 +166,11 @@ LightBvhNode LightBvhBlock::Node(uint32_t lane) const {
     const F x = Ops::Select(z < F(0), withSign(F(1) - Ops::Abs(v), u), u);
     const F y = Ops::Select(z < F(0), withSign(F(1) - Ops::Abs(u), v), v);
     const F cosTheta_o = cosine(cosO);
-    const F signedPhi = load(phi);
-    const detail::Emitters<F, Ops::Mask> e{load(centerX),
-                                           load(centerY),
-                                           load(centerZ),
-                                           load(radius),
+    const F signedPhi = Ops::Load(phi);
+    const detail::Emitters<F, Ops::Mask> e{Ops::Load(centerX),
+                                           Ops::Load(centerY),
+                                           Ops::Load(centerZ),
+                                           Ops::Load(radius),
                                            x,
                                            y,
                                            z,
@@ -146,7 +180,7 @@ LightBvhNode LightBvhBlock::Node(uint32_t lane) const {
                                            detail::SineOf<Ops>(cosTheta_o),
                                            cosine(cosE),
                                            signedPhi < F(0)};
-    detail::ImportanceOf<Ops>(e, p, n).copy_to(out, simd::element_aligned);
+    Ops::Store(detail::ImportanceOf<Ops>(e, p, n), out);
 }
 
 /// Packs child pairs into blocks. A block holds the children of a node, then those of its most powerful descendants.
@@ -263,44 +297,10 @@ LightBvhNode LightBvh::Build(std::span<Item> items, uint64_t trail, int depth, L
         box = Union(box, item.bounds.bounds);
         centroids = Union(centroids, item.centroid);
     }
-    Vector3 extent = box.Diagonal();
-    Split best;
     // Halving needs bit_width(size) more levels; without spare levels in the trail, the split must be balanced.
-    bool mustHalve = depth + std::bit_width(items.size()) >= kMaxDepth;
-    for (int axis = 0; axis < 3 && !mustHalve; ++axis) {
-        Float low = centroids.low[axis], high = centroids.high[axis];
-        if (!(high > low)) continue;
-        std::array<LightBounds, kBuckets> buckets, above;
-        for (const Item &item : items) {
-            LightBounds &bucket = buckets[size_t(BucketOf(item.centroid[axis], low, high))];
-            bucket = Union(bucket, item.bounds);
-        }
-        above[kBuckets - 1] = buckets[kBuckets - 1];
-        for (size_t i = kBuckets - 1; i > 0; --i) above[i - 1] = Union(buckets[i - 1], above[i]);
-        Float stretch = MaxComponent(extent) / std::max(extent[axis], std::numeric_limits<Float>::min());
-        LightBounds below;
-        for (size_t i = 0; i + 1 < kBuckets; ++i) {
-            below = Union(below, buckets[i]);
-            const double cost = SplitCost(below, stretch) + SplitCost(above[i + 1], stretch);
-            if (cost > 0 && cost < best.cost) best = {axis, int(i), cost};
-        }
-    }
-
-    size_t middle = 0;
-    if (std::isfinite(best.cost)) {
-        Float low = centroids.low[best.axis], high = centroids.high[best.axis];
-        auto end = std::partition(items.begin(), items.end(), [&](const Item &item) {
-            return BucketOf(item.centroid[best.axis], low, high) <= best.bucket;
-        });
-        middle = size_t(end - items.begin());
-    }
-    if (middle == 0 || middle == items.size()) {
-        int axis = centroids.LongestAxis();
-        middle = items.size() / 2;
-        std::nth_element(items.begin(), items.begin() + middle, items.end(), [axis](const Item &a, const Item &b) {
-            return a.centroid[axis] != b.centroid[axis] ? a.centroid[axis] < b.centroid[axis] : a.light < b.light;
-        });
-    }
+    const bool mustHalve = depth + std::bit_width(items.size()) >= kMaxDepth;
+    const Split split = mustHalve ? Split{} : FindSplit(std::span<const Item>(items), box, centroids);
+    const size_t middle = Divide(items, split, centroids);
 
     auto pair = uint32_t(pairs->size());
     pairs->emplace_back();

@@ -1,25 +1,8 @@
 #pragma once
-#include <experimental/simd>
-
 #include "pbrt/lights/light_bounds.h"
+#include "pbrt/math/simd_ops.h"
 
 namespace pbrt {
-
-/// detail::ScalarOps for N lights in SIMD registers. Always inlined, as a call would spill all registers.
-template <int N>
-struct SimdOps {
-    using F = std::experimental::simd<Float, std::experimental::simd_abi::deduce_t<Float, N>>;
-    using Mask = typename F::mask_type;
-    [[gnu::always_inline]] static F Min(const F &a, const F &b) { return std::experimental::min(a, b); }
-    [[gnu::always_inline]] static F Max(const F &a, const F &b) { return std::experimental::max(a, b); }
-    [[gnu::always_inline]] static F Select(const Mask &c, const F &ifTrue, const F &ifFalse) {
-        F r = ifFalse;
-        std::experimental::where(c, r) = ifTrue;
-        return r;
-    }
-    [[gnu::always_inline]] static F Sqrt(const F &a) { return std::experimental::sqrt(a); }
-    [[gnu::always_inline]] static F Abs(const F &a) { return std::experimental::abs(a); }
-};
 
 /// N lights as structure of arrays, with joint importance evaluation. Unset lanes have importance 0.
 template <int N>
@@ -47,11 +30,11 @@ struct alignas(4 * N) LightPacket {
     void Importances(const Point3 &p, const Normal3 &n, Float *out) const {
         using Ops = SimdOps<N>;
         using F = typename Ops::F;
-        auto load = [](const Float *v) { return F(v, std::experimental::element_aligned); };
+        auto load = [](const Float *v) { return Ops::Load(v); };
         detail::Emitters<F, typename Ops::Mask> e{
             load(centerX), load(centerY), load(centerZ), load(radius), load(axisX), load(axisY),           load(axisZ),
             F(1),          load(phi),     load(cosO),    load(sinO),   load(cosE),  load(twoSided) != F(0)};
-        detail::ImportanceOf<Ops>(e, p, n).copy_to(out, std::experimental::element_aligned);
+        Ops::Store(detail::ImportanceOf<Ops>(e, p, n), out);
     }
 };
 

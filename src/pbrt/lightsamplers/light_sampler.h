@@ -92,6 +92,7 @@ struct InspectedValue {
     bool isId = false;  ///< shown as a colour, not a magnitude
 };
 
+/// A light selected at a query point. Its contribution is divided by `pmf` and the density of the sampled point.
 struct SampledLight {
     LightId light{};
     Float pmf = 0;  ///< discrete probability of light and region
@@ -101,6 +102,7 @@ struct SampledLight {
     EnvironmentRegion region{};  ///< of an environment light, from which to sample the point (LightTable::Region)
 };
 
+/// Arguments of LightSampler::Prepare. The scene outlives the sampler; all else is valid during that call only.
 struct PrepareContext {
     const Scene &scene;
     const Camera &camera;

@@ -6,7 +6,8 @@
 
 namespace pbrt {
 
-// SIMD integers and floats by the vector extensions of GCC and Clang: same results on every machine.
+// SIMD integers and floats by the vector extensions of GCC and Clang: same results on every machine. Floats with roots
+// and selections: simd_ops.h.
 
 // 32 bytes, as AVX2 has: g++ shuffles vectors that are longer than the machine's lane by lane, in memory.
 using Lanes64 = uint64_t __attribute__((vector_size(32)));    ///< 4 lanes
@@ -46,6 +47,24 @@ constexpr T ReverseBits(T v) {
 inline FloatLanes FractionsToFloat(Lanes32 v) {
     const FloatLanes f = __builtin_convertvector(v, FloatLanes) * 0x1p-32f;
     return f < OneMinusEpsilon ? f : FloatLanes{} + OneMinusEpsilon;
+}
+
+/// Transposes eight rows of eight.
+[[gnu::always_inline]] inline void Transpose(FloatLanes rows[8]) {
+    FloatLanes a[8], b[8];
+    for (int i = 0; i < 8; i += 2) {
+        a[i] = __builtin_shufflevector(rows[i], rows[i + 1], 0, 8, 1, 9, 4, 12, 5, 13);
+        a[i + 1] = __builtin_shufflevector(rows[i], rows[i + 1], 2, 10, 3, 11, 6, 14, 7, 15);
+    }
+    for (int i = 0; i < 8; i += 4)
+        for (int k = 0; k < 2; ++k) {
+            b[i + 2 * k] = __builtin_shufflevector(a[i + k], a[i + k + 2], 0, 1, 8, 9, 4, 5, 12, 13);
+            b[i + 2 * k + 1] = __builtin_shufflevector(a[i + k], a[i + k + 2], 2, 3, 10, 11, 6, 7, 14, 15);
+        }
+    for (int i = 0; i < 4; ++i) {
+        rows[i] = __builtin_shufflevector(b[i], b[i + 4], 0, 1, 2, 3, 8, 9, 10, 11);
+        rows[i + 4] = __builtin_shufflevector(b[i], b[i + 4], 4, 5, 6, 7, 12, 13, 14, 15);
+    }
 }
 
 inline Lanes32 LowHalves(const Lanes64 &a, const Lanes64 &b) {

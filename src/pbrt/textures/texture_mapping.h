@@ -13,11 +13,13 @@ struct TexCoord2 {
     Point2 st{};
     Float dsdx = 0, dsdy = 0, dtdx = 0, dtdy = 0;
 };
+/// Position in texture space and its derivatives per pixel step.
 struct TexCoord3 {
     Point3 p{};
     Vector3 dpdx{}, dpdy{};
 };
 
+/// (su u + du, sv v + dv) of the surface's coordinates.
 struct UvMapping {
     Float su = 1, sv = 1, du = 0, dv = 0;
     TexCoord2 Map(const TextureContext &ctx) const {
@@ -25,6 +27,7 @@ struct UvMapping {
     }
 };
 
+/// Position and derivatives in texture space, by an invertible transformation.
 struct PointMapping {
     explicit PointMapping(const Transform &renderFromTexture) : textureFromRender(renderFromTexture.Inverse()) {}
     Transform textureFromRender;

@@ -32,6 +32,16 @@ bool PathWalk::FindScattering(SampledWavelengths &lambda) {
     return false;
 }
 
+std::optional<ReachedVertex> PathWalk::NextVertex(SampledWavelengths &lambda, SpectralWeights &weights, Rng &rng) {
+    return NextVertex(
+        lambda, weights, [&] { return ThroughMedium(lambda, rng, weights); }, [](Met) {});
+}
+
+MediumEvent PathWalk::ThroughMedium(const SampledWavelengths &lambda, Rng &rng, SpectralWeights &weights) const {
+    const Float u = rng.Uniform();
+    return ThroughMedium(lambda, u, rng, false, weights, [](const SampledSpectrum &, Float) {});
+}
+
 void PathWalk::RecordVisible(const SampledWavelengths &lambda) const {
     SurfacePoint point = vertex_.point;
     // Walks without footprints have marked their differentials invalid.
@@ -52,6 +62,13 @@ void PathWalk::Scatter(const BsdfSample &sample) {
         else differential_ = ReflectDifferential(point, differential_, sample.wi);
     }
     ray_ = point.SpawnRay(sample.wi);
+}
+
+std::optional<BsdfSample> PathWalk::SampleScattering(Rng &rng) {
+    const Float uc = rng.Uniform();
+    const std::optional<BsdfSample> sample = vertex_.bsdf.Sample(vertex_.point.wo, uc, rng.Uniform2());
+    if (sample) Scatter(*sample);
+    return sample;
 }
 
 void PathWalk::Leave(const Vector3 &wi) {

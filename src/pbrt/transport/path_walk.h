@@ -15,6 +15,12 @@ struct PathContext {
     bool needsFootprints = true;  ///< some material uses filter footprints
 };
 
+/// A vertex that PathWalk::NextVertex has reached.
+struct ReachedVertex {
+    const HenyeyGreenstein *phase = nullptr;  ///< in a medium; null: at the surface PathWalk::Vertex()
+    Point3 p{};                               ///< in a medium
+};
+
 /// A path from the camera, traced step by step; used by all integrators. The caller handles the vertices:
 ///
 ///     PathWalk walk(context, cameraRay);
@@ -24,7 +30,7 @@ struct PathContext {
 ///         walk.Scatter(sample);
 ///     }
 ///
-/// With media, the caller tracks them after every Next: MediumAhead, ThroughMedium.
+/// With media, the caller tracks them after every Next (MediumAhead, ThroughMedium), or leaves both to NextVertex.
 class PathWalk {
   public:
     /// After more than this many consecutive non-scattering surfaces, the path ends at the next surface.
@@ -50,9 +56,25 @@ class PathWalk {
     /// Completes Vertex() with filter footprint and BSDF. Returns false for a non-scattering surface; the ray then
     /// continues behind it. May terminate secondary wavelengths.
     bool FindScattering(SampledWavelengths &lambda);
+    /// Next and FindScattering up to the next scattering surface, with media ignored. False: the path ends.
+    bool NextSurface(SampledWavelengths &lambda) {
+        while (Next() == Met::Surface)
+            if (FindScattering(lambda)) return true;
+        return false;
+    }
+    /// Continues to the next vertex in a medium or at a surface, through interface surfaces. Empty: the path ends.
+    ///
+    ///   track() -> MediumEvent   follows the ray through MediumAhead(), with `weights`
+    ///   arrive(met)              before the vertex at a surface or interface, or when the ray leaves the scene
+    std::optional<ReachedVertex> NextVertex(SampledWavelengths &lambda, SpectralWeights &weights, auto &&track,
+                                            auto &&arrive);
+    /// The same by delta tracking with numbers of `rng`; emission is ignored.
+    std::optional<ReachedVertex> NextVertex(SampledWavelengths &lambda, SpectralWeights &weights, Rng &rng);
     void Regularize() { vertex_.bsdf.Regularize(); }
     /// Leaves the vertex by a BSDF sample. Ray differentials survive specular scattering only.
     void Scatter(const BsdfSample &sample);
+    /// Leaves the vertex by a sample of its BSDF, which is returned. Empty: absorbed.
+    std::optional<BsdfSample> SampleScattering(Rng &rng);
     /// Leaves the vertex in a direction (unit) not sampled from its BSDF.
     void Leave(const Vector3 &wi);
     /// Medium between the previous vertex and the hit of Next; null: vacuum.
@@ -62,6 +84,8 @@ class PathWalk {
         return TrackMedium(MediumAhead()->On(ray_, left_ ? Infinity : vertex_.point.t, lambda), u, rng, emits, weights,
                            emit);
     }
+    /// The same without emission; all numbers are of `rng`.
+    MediumEvent ThroughMedium(const SampledWavelengths &lambda, Rng &rng, SpectralWeights &weights) const;
     /// Scatters in the medium before the hit of Next: at a point on the ray, into a direction (unit).
     void ScatterInMedium(const Point3 &p, const Vector3 &wi);
     /// Moves the path to the exit vertex of subsurface scattering.
@@ -100,6 +124,24 @@ void PathWalk::ForEachEmission(const SampledWavelengths &lambda, auto &&visit) c
         });
     } else if (SampledSpectrum Le = EmittedRadiance(scene, point, lambda)) {
         visit(Le, point.light, point.p, point.n);
+    }
+}
+
+std::optional<ReachedVertex> PathWalk::NextVertex(SampledWavelengths &lambda, SpectralWeights &weights, auto &&track,
+                                                  auto &&arrive) {
+    for (;;) {
+        const Met met = Next();
+        if (met == Met::TooManyInterfaces) return {};
+        if (const Medium *medium = MediumAhead()) {
+            const MediumEvent event = track();
+            if (event.kind == MediumEvent::Kind::Absorbed || !weights.beta) return {};
+            if (event.kind == MediumEvent::Kind::Scattered) return ReachedVertex{&medium->Phase(), ray_(event.t)};
+        }
+        arrive(met);
+        if (met == Met::Nothing) return {};
+        const bool scatters = FindScattering(lambda);
+        weights.onlyFirst = lambda.SecondaryTerminated();
+        if (scatters) return ReachedVertex{};
     }
 }
 

@@ -55,62 +55,84 @@ Vector3 LightTargets::DirectionIn(uint32_t part, const Point2 &u) {
     return EqualAreaSquareToSphere((corner + u) / Float(kEnvironmentSide));
 }
 
-LightTargets::LightTargets(const Scene &scene, const VoxelGrid &grid, const LightGroups &groups) {
-    const LightTable &lights = scene.Lights();
-    const SampledWavelengths &lambda = SampledWavelengths::WholeRange();
-    const Bounds3 bounds = scene.Bounds().IsEmpty() ? Bounds3(Point3(0)) : scene.Bounds();
-    const LightSampleContext center{.p = bounds.Center()};
-    constexpr uint32_t kNone = 0xffffffffu;
-    std::vector<uint32_t> ofVoxel(grid.Size(), kNone), ofEnvironmentPart(kEnvironmentSide * kEnvironmentSide, kNone);
-    const auto addTarget = [&](const Target &target) {
-        targets_.push_back(target);
-        return uint32_t(targets_.size() - 1);
-    };
-    const auto sharedTarget = [&](Kind kind, uint32_t index) {
-        uint32_t &target = (kind == Kind::Voxel ? ofVoxel : ofEnvironmentPart)[index];
-        return target != kNone ? target : target = addTarget({kind, index, {}});
-    };
+/// Takes the lights in order, and FinishGroup after the last one of each group.
+class LightTargets::Builder {
+  public:
+    Builder(const Scene &scene, const VoxelGrid &grid)
+        : lights_(scene.Lights()), grid_(grid), bounds_(scene.Bounds().IsEmpty() ? Bounds3(Point3(0)) : scene.Bounds()),
+          ofVoxel_(grid.Size(), kNone), ofEnvironmentPart_(kEnvironmentSide * kEnvironmentSide, kNone) {}
 
-    std::map<uint32_t, double> weights;
-    auto finishGroup = [&] {
-        double sum = 0;
-        for (const auto &[target, weight] : weights) sum += weight;
-        for (const auto &[target, weight] : weights)
-            if (weight > 0) shares_.push_back({target, Float(weight / sum)});
-        first_.push_back(uint32_t(shares_.size()));
-        weights.clear();
-    };
-    for (uint32_t i = 0; i < lights.Size(); ++i) {
-        LightId id(i);
-        if (i > 0 && groups.GroupOf(id) != groups.GroupOf(LightId(i - 1))) finishGroup();
-        const LightCandidate candidate = lights.Candidate(id);
-        auto share = double(groups.ShareOf(id));
-        if (!(candidate.power > 0)) continue;
-        const LightKind kind = lights[id].Kind();
-        if (kind == LightKind::DeltaDirection) {
-            std::optional<LightLiSample> s = lights[id].SampleLi(center, {0.5f, 0.5f}, lambda, true);
-            if (!s) continue;
-            weights[addTarget({Kind::Direction, 0, s->wi})] += share;
-        } else if (kind == LightKind::Infinite) {
-            for (uint64_t k = 0; k < kEnvironmentSamples; ++k) {
-                // From points all over the scene, as the directions that a portal light samples depend on the point.
-                LightSampleContext from;
-                from.p = bounds.low +
-                         bounds.Diagonal() * Vector3(RadicalInverse(5, k), RadicalInverse(7, k), RadicalInverse(11, k));
-                Point2 u(RadicalInverse(2, k), RadicalInverse(3, k));
-                std::optional<LightLiSample> s = lights[id].SampleLi(from, u, lambda, true);
-                if (s && s->L && s->pdf > 0)
-                    weights[sharedTarget(Kind::EnvironmentPart, EnvironmentPartOf(s->wi))] += 1;
-            }
-        } else if (const ShapePrimitive at = lights[id].Surface(); at.shape) {
-            ForPointsOn(*at.shape, at.primitive, grid, [&](const Point3 &p, Float part) {
-                weights[sharedTarget(Kind::Voxel, grid.Index(p))] += share * double(part);
+    /// `share`: of the light in its group.
+    void Add(LightId id, double share) {
+        const LightCandidate candidate = lights_.Candidate(id);
+        if (!(candidate.power > 0)) return;
+        const LightComponent light = lights_[id];
+        if (light.Kind() == LightKind::DeltaDirection) {
+            const LightSampleContext center{.p = bounds_.Center()};
+            std::optional<LightLiSample> s =
+                light.SampleLi(center, {0.5f, 0.5f}, SampledWavelengths::WholeRange(), true);
+            if (s) weights_[AddTarget({Kind::Direction, 0, s->wi})] += share;
+        } else if (light.Kind() == LightKind::Infinite) {
+            AddEnvironment(light);
+        } else if (const ShapePrimitive at = light.Surface(); at.shape) {
+            ForPointsOn(*at.shape, at.primitive, grid_, [&](const Point3 &p, Float part) {
+                weights_[SharedTarget(Kind::Voxel, grid_.Index(p))] += share * double(part);
             });
         } else if (candidate.bounds) {
-            weights[sharedTarget(Kind::Voxel, grid.Index(candidate.bounds->Centroid()))] += share;
+            weights_[SharedTarget(Kind::Voxel, grid_.Index(candidate.bounds->Centroid()))] += share;
         }
     }
-    if (lights.Size() > 0) finishGroup();
+    void FinishGroup() {
+        double sum = 0;
+        for (const auto &[target, weight] : weights_) sum += weight;
+        for (const auto &[target, weight] : weights_)
+            if (weight > 0) made_.shares_.push_back({target, Float(weight / sum)});
+        made_.first_.push_back(uint32_t(made_.shares_.size()));
+        weights_.clear();
+    }
+    LightTargets Take() { return std::move(made_); }
+
+  private:
+    static constexpr uint32_t kNone = 0xffffffffu;
+
+    void AddEnvironment(const LightComponent &light) {
+        for (uint64_t k = 0; k < kEnvironmentSamples; ++k) {
+            // From points all over the scene, as the directions that a portal light samples depend on the point.
+            LightSampleContext from;
+            from.p = bounds_.low +
+                     bounds_.Diagonal() * Vector3(RadicalInverse(5, k), RadicalInverse(7, k), RadicalInverse(11, k));
+            Point2 u(RadicalInverse(2, k), RadicalInverse(3, k));
+            std::optional<LightLiSample> s = light.SampleLi(from, u, SampledWavelengths::WholeRange(), true);
+            if (s && s->L && s->pdf > 0) weights_[SharedTarget(Kind::EnvironmentPart, EnvironmentPartOf(s->wi))] += 1;
+        }
+    }
+    uint32_t AddTarget(const Target &target) {
+        made_.targets_.push_back(target);
+        return uint32_t(made_.targets_.size() - 1);
+    }
+    uint32_t SharedTarget(Kind kind, uint32_t index) {
+        uint32_t &target = (kind == Kind::Voxel ? ofVoxel_ : ofEnvironmentPart_)[index];
+        return target != kNone ? target : target = AddTarget({kind, index, {}});
+    }
+
+    const LightTable &lights_;
+    const VoxelGrid &grid_;
+    const Bounds3 bounds_;
+    std::vector<uint32_t> ofVoxel_, ofEnvironmentPart_;  ///< targets
+    std::map<uint32_t, double> weights_;                 ///< of the group's targets
+    LightTargets made_;
+};
+
+LightTargets LightTargets::Of(const Scene &scene, const VoxelGrid &grid, const LightGroups &groups) {
+    const LightTable &lights = scene.Lights();
+    Builder builder(scene, grid);
+    for (uint32_t i = 0; i < lights.Size(); ++i) {
+        const LightId id(i);
+        if (i > 0 && groups.GroupOf(id) != groups.GroupOf(LightId(i - 1))) builder.FinishGroup();
+        builder.Add(id, double(groups.ShareOf(id)));
+    }
+    if (lights.Size() > 0) builder.FinishGroup();
+    return builder.Take();
 }
 
 size_t LightTargets::Bytes() const {
@@ -126,7 +148,7 @@ void NeeppLightSampler::Prepare(PrepareContext &context) {
     const auto start = std::chrono::steady_clock::now();
     scene_ = &context.scene;
     PrepareVoxels(context, params_.voxels);
-    targets_ = LightTargets(context.scene, grid_, groups_);
+    targets_ = LightTargets::Of(context.scene, grid_, groups_);
     rows_.Reset(grid_.Size(), targets_.Size());
     auto work = double(grid_.BorderSize()) * double(targets_.Size()) * params_.samples;
     if (work > 3e8)

@@ -28,7 +28,8 @@ class LightTargets {
     };
 
     LightTargets() = default;
-    LightTargets(const Scene &scene, const VoxelGrid &grid, const LightGroups &groups);
+    /// Targets of the scene's lights. Environment lights and large emitters are divided by samples of them.
+    static LightTargets Of(const Scene &scene, const VoxelGrid &grid, const LightGroups &groups);
 
     size_t Size() const { return targets_.size(); }
     const Target &operator[](size_t i) const { return targets_[i]; }
@@ -45,6 +46,7 @@ class LightTargets {
     size_t Bytes() const;
 
   private:
+    class Builder;
     std::vector<Target> targets_;
     std::vector<uint32_t> first_{0};  ///< per group, index into shares_; one more entry at the end
     std::vector<Share> shares_;

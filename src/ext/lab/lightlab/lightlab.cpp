@@ -7,6 +7,7 @@
 
 #include "ext/lab/experiment.h"
 #include "ext/lab/lightlab/lightlab.h"
+#include "ext/lab/noise_by_depth.h"
 #include "pbrt/core/files.h"
 #include "pbrt/core/log.h"
 #include "pbrt/core/memory.h"

@@ -1,3 +1,4 @@
+#include "ext/lab/noise_by_depth.h"
 #include "experiment_fixture.h"
 
 namespace ext::lab {

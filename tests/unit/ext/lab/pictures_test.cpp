@@ -1,4 +1,4 @@
-#include "ext/lab/experiment.h"
+#include "ext/lab/pictures.h"
 
 #include <gtest/gtest.h>
 #include <cmath>

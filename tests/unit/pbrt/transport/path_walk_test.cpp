@@ -10,8 +10,8 @@ namespace pbrt::test {
 namespace {
 
 /// The camera is at the origin and looks along +z.
-BuiltScene World(const std::string &shapes) {
-    return BuildText(SceneText().InWorldSpace().Camera(40).Film(8, 8).Integrator("path").World(shapes));
+BuiltScene World(const std::string &shapes, const std::string &integrator) {
+    return BuildText(SceneText().InWorldSpace().Camera(40).Film(8, 8).Integrator(integrator).World(shapes));
 }
 
 std::string Disk(double z, const std::string &before) {
@@ -21,7 +21,8 @@ const std::string kInterface = "Material 'interface'", kDiffuse = "Material 'dif
                   kGlow = "AreaLightSource 'diffuse' 'rgb L' [ 2 2 2 ]\nReverseOrientation";
 
 struct Walker {
-    explicit Walker(const std::string &shapes) : built(World(shapes)) {}
+    explicit Walker(const std::string &shapes, const std::string &integrator = "path")
+        : built(World(shapes, integrator)) {}
     CameraRay Start() const { return *built.camera->GenerateRay({.pFilm = {4.2f, 3.9f}}, lambda); }
     /// Goes to the next surface that scatters, or to the end of the path; returns the number of surfaces passed.
     int GoToVertex() {
@@ -144,6 +145,62 @@ TEST(PathWalk, DifferentialsSurviveAMirrorAndEndAtADiffuseSurface) {
     };
     EXPECT_TRUE(second(kDiffuse)) << "a diffuse bounce must use the camera's approximation";
     EXPECT_FALSE(second("Material 'conductor'")) << "a mirror must use the differentials of the ray";
+}
+
+TEST(PathWalk, ReachesTheVerticesOfStepsByHandInAMediumAndOnSurfaces) {
+    const Walker world(
+        Objects()
+            .Add("MakeNamedMedium 'fog' 'string type' 'homogeneous' 'rgb sigma_a' [ 0.01 0.01 0.01 ] "
+                 "'rgb sigma_s' [ 0.3 0.2 0.1 ]")
+            .Attribute("MediumInterface 'fog' ''\nMaterial 'interface'\nTranslate 0 0 5", Objects().Sphere(3))
+            .Add(Disk(9, kDiffuse)),
+        "volpath");
+    int inMedium = 0, onSurface = 0;
+    for (uint64_t seed = 0; seed < 64; ++seed) {
+        PathWalk walk(world.context, world.Start()), steps(world.context, world.Start());
+        Rng one(seed), two(seed);
+        SampledWavelengths lambda = world.lambda;
+        SpectralWeights weights, expected;
+        const auto step = [&]() -> std::optional<Point3> {
+            for (;;) {
+                const PathWalk::Met met = steps.Next();
+                if (steps.MediumAhead()) {
+                    const MediumEvent event = steps.ThroughMedium(lambda, two, expected);
+                    if (event.kind == MediumEvent::Kind::Absorbed) return {};
+                    if (event.kind == MediumEvent::Kind::Scattered) return steps.GetRay()(event.t);
+                }
+                if (met != PathWalk::Met::Surface) return {};
+                if (steps.FindScattering(lambda)) return steps.Vertex().point.p;
+            }
+        };
+        for (int vertex = 0; vertex < 8; ++vertex) {
+            const std::optional<ReachedVertex> reached = walk.NextVertex(lambda, weights, one);
+            const std::optional<Point3> p = step();
+            ASSERT_EQ(reached.has_value(), p.has_value());
+            if (!p) break;
+            EXPECT_EQ(weights.beta[1], expected.beta[1]);
+            EXPECT_LT(Distance(reached->phase ? reached->p : walk.Vertex().point.p, *p), 1e-4);
+            if (reached->phase) {
+                ++inMedium;
+                const Vector3 wi = reached->phase->SampleP(-walk.GetRay().d, one.Uniform2()).wi;
+                EXPECT_EQ(wi, steps.MediumAhead()->Phase().SampleP(-steps.GetRay().d, two.Uniform2()).wi);
+                walk.ScatterInMedium(*p, wi);
+                steps.ScatterInMedium(*p, wi);
+                continue;
+            }
+            ++onSurface;
+            const auto &[point, bsdf] = steps.Vertex();
+            const Float uc = two.Uniform();
+            const std::optional<BsdfSample> sample = bsdf.Sample(point.wo, uc, two.Uniform2());
+            const std::optional<BsdfSample> left = walk.SampleScattering(one);
+            ASSERT_EQ(left.has_value(), sample.has_value());
+            if (!left) break;
+            EXPECT_LT(Length(left->wi - sample->wi), 1e-4);
+            steps.Scatter(*left);
+        }
+    }
+    EXPECT_GT(inMedium, 20);
+    EXPECT_GT(onSurface, 0);
 }
 
 }  // namespace

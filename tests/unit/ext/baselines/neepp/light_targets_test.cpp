@@ -31,7 +31,7 @@ Made Make(const std::string &lights, bool grouped = true) {
                             .World(FloorAndCeiling(4, 4, 4).Add(lights)));
     m.grid = VoxelGrid(m.built.scene->Bounds(), 8);
     const LightTable &table = m.built.scene->Lights();
-    m.targets = LightTargets(*m.built.scene, m.grid, grouped ? table.ByLight() : table.ByComponent());
+    m.targets = LightTargets::Of(*m.built.scene, m.grid, grouped ? table.ByLight() : table.ByComponent());
     return m;
 }
 

@@ -35,7 +35,7 @@ class LightSamplerRegistry {
     /// `meshLights`: an emissive mesh is one light for selection; only for entries that take groups.
     std::unique_ptr<LightSampler> Make(const Entry &entry, const LightTable &lights, const ParamSet &params,
                                        bool meshLights) const;
-    /// Text of --list-lightsamplers and of docs/reference/lightsamplers.md.
+    /// Text of --list-lightsamplers.
     std::string Listing() const;
 };
 

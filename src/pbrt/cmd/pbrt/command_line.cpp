@@ -216,7 +216,7 @@ void AddAllFlags(CLI::App &app, CommandLine &o, RawFlags &raw) {
              {{"--list", o.list,
                "print what a scene can name, with all parameters, and stop: cameras, films, filters, samplers, "
                "integrators, accelerators, shapes, materials, floattextures, spectrumtextures, lights, arealights, "
-               "media, lightsamplers; all; table"},
+               "media, lightsamplers; as Markdown all, table, lightsamplertables"},
               {"--quiet", o.quiet, "no progress and no warnings; errors only"}});
     app.add_flag("--stats", o.stats,
                  "print statistics to standard output after rendering; --stats=json: as a JSON object, for scripts")

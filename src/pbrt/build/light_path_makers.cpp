@@ -39,9 +39,9 @@ struct BdptParams : BidirectionalParams {
     void Describe(auto &&v) {
         BidirectionalParams::Describe(v);
         v("visualizestrategies", visualizeStrategies,
-          "also write each strategy's image, `<picture>-strategy-depth<d>-s<s>-t<t>`; limits `maxdepth` to 5");
+          "also write each strategy's image, `<image>-strategy-depth<d>-s<s>-t<t>`; limits `maxdepth` to 5");
         v("visualizeweights", visualizeWeights,
-          "also write each strategy's share, `<picture>-weighted-depth<d>-s<s>-t<t>`; limits `maxdepth` to 5");
+          "also write each strategy's share, `<image>-weighted-depth<d>-s<s>-t<t>`; limits `maxdepth` to 5");
         lights.Describe(v);
     }
 };
@@ -153,15 +153,15 @@ void AddLightPathIntegrators(IntegratorTable &t) {
     AddShooting<LightPathParams>(
         t, "lightpath",
         "also through media, but for the light that they emit; with the cameras perspective and (only here) "
-        "orthographic and spherical; **differs**: the adjoint of shading normals is right (stock: #385), crop windows "
-        "keep all light (stock: #347), and emitters of all shapes that the camera sees have their own brightness",
+        "orthographic and spherical; **differs**: the adjoint of shading normals is used (stock: #385), crop windows "
+        "keep all light (stock: #347), and emitters of all shapes that the camera sees have their own radiance",
         {.connectsToCamera = true, .rendersMedia = true, .passesInterfaces = true, .samplesPixels = false},
         ReadLightPath);
     AddShooting<WithAdaptive<BdptParams>>(
         t, "bdpt",
         "with media, at most 1,000 scattering events from either side; cameras and shading normals as lightpath; "
         "only here: any light sampler for the light that a vertex of the camera's path is connected to; "
-        "pictures of strategies are written at the end, not with checkpoints, parts or mpirun",
+        "images of strategies are written at the end, not with checkpoints, parts or mpirun",
         {.hasLightSampler = true,
          .connectsToCamera = true,
          .rendersMedia = true,
@@ -171,7 +171,7 @@ void AddLightPathIntegrators(IntegratorTable &t) {
     AddShooting<MltParams>(
         t, "mlt",
         "as bdpt, with the films rgb and spectral; light samplers learn in their preparation only; **differs**: every "
-        "mutation of a pixel has its share of bootstrap and chains, so that more mutations converge to the picture for "
+        "mutation of a pixel has its share of bootstrap and chains, so that more mutations converge to the image for "
         "every seed (stock: #525); a mutation is of all connections of a pair of subpaths, not of one",
         {.hasLightSampler = true,
          .connectsToCamera = true,

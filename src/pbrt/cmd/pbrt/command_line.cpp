@@ -151,8 +151,8 @@ void AddAllFlags(CLI::App &app, CommandLine &o, RawFlags &raw) {
           "more samples where the image is noisier; --spp samples per pixel on average (all integrators but lightpath, "
           "mlt and sppm)"},
          {"--noise", o.noise,
-          "--adaptive until the estimated noise of the image is at most this: 0.05 is fine grain, 0.01 is hardly visible. "
-          "It is the square root of relL2 (imgtool diff). --spp or --time is the limit",
+          "--adaptive until the estimated noise of the image is at most this: 0.05 is fine grain, 0.01 is hardly "
+          "visible. It is the square root of relL2 (imgtool diff). --spp or --time is the limit",
           PositiveNumber},
          {"--seed", build.seed, "seed of the pixel sampler (0)"},
          {"--nthreads", o.threads, "threads (0: all cores)", NonNegativeNumber},

@@ -90,8 +90,8 @@ std::string LightSamplerPage(const FamilyDoc &family) {
     std::string text =
         "# Light samplers\n\nThe output of `pbrt --list lightsamplertables`. A parameter is set by "
         "`\"float octree.budget\" 0.02` of the integrator, or by `--lightsampler octree:budget=0.02`. A sampler "
-        "without a parameter `meshlights` takes `\"bool meshlights\"` of the integrator (`+mesh` in flags): an emissive "
-        "mesh is one light, and its triangles are chosen by power.\n";
+        "without a parameter `meshlights` takes `\"bool meshlights\"` of the integrator (`+mesh` in flags): an "
+        "emissive mesh is one light, and its triangles are chosen by power.\n";
     for (const FactoryDoc &maker : family.makers) {
         text += fmt::format("\n## {}\n\n{}\n\n", maker.name, maker.summary);
         text += maker.params.empty() ? "No parameters.\n" : "|parameter|default|values|meaning|\n|---|---|---|---|\n";

@@ -79,8 +79,8 @@ if bash .ci/build "$top/build/release" -DPBRT_EXT=ON -DPBRT_WERROR=ON -DPBRT_UNI
   for table in build/release/tables/*.txt; do
     [ -f "$table" ] && { echo; cat "$table"; }
   done
-  build/release/src/pbrt/cmd/pbrt/pbrt --list-lightsamplers | diff - docs/reference/lightsamplers.md > /dev/null
-  count "docs/reference/lightsamplers.md is the output of pbrt --list-lightsamplers" $?
+  build/release/src/pbrt/cmd/pbrt/pbrt --list lightsamplertables | diff - docs/reference/lightsamplers.md > /dev/null
+  count "docs/reference/lightsamplers.md is the output of pbrt --list lightsamplertables" $?
   build/release/src/pbrt/cmd/pbrt/pbrt --list all | diff - docs/reference/parameters.md > /dev/null
   count "docs/reference/parameters.md is the output of pbrt --list all" $?
 else

@@ -197,5 +197,4 @@ def finish(a, head, rows, experiments):
     machines = {str((r.get("machine") or {}).get("cpu") or "unknown") for r in results}
     print(data.text(head, rows, {}))
     if a.csv:
-        data.write(a.csv, head, rows, data.origin(commits=[r.get("commit") for r in results],
-                                                  machine=", ".join(sorted(machines)), metric="relL2"))
+        data.write(a.csv, head, rows, data.origin(results=results, machine=", ".join(sorted(machines)), metric="relL2"))

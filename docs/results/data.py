@@ -24,14 +24,15 @@ def verdict(word):
     return VERDICTS.get(word, word)
 
 
-def origin(program=None, commits=(), machine=None, **more):
-    """Metadata of a table that the running script makes: `program` is pbrt, or `commits` are those of its results."""
+def origin(program=None, results=(), machine=None, **more):
+    """Metadata of a table that the running script makes: `program` is pbrt, or `results` are those of lightlab."""
     if program and pathlib.Path(program).is_file():
         said = subprocess.run([str(program), "--version"], stdout=subprocess.PIPE, text=True).stdout
-        commits = [said.partition("(commit ")[2].partition(")")[0]]
+        results = [{"version": said.partition(" ")[2].partition(" ")[0], "commit": said.partition("(commit ")[2].partition(")")[0]}]
     script = pathlib.Path(sys.argv[0]).resolve()
     script = script.relative_to(TOP) if TOP in script.parents else script
-    return {"commit": ", ".join(sorted({str(c) for c in commits if c})) or "unknown",
+    commit, version = (", ".join(sorted({r[k] for r in results if r.get(k)})) for k in ("commit", "version"))
+    return {"commit": commit or "unknown", **({"version": version} if version else {}),
             "machine": machine or f"{processor()}, {os.cpu_count()} threads", "date": datetime.date.today().isoformat(),
             "command": shlex.join([str(script), *sys.argv[1:]]), **more}
 

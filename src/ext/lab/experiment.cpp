@@ -249,8 +249,10 @@ Json Header(const ExperimentSettings &settings, const LabScene &scene, const Jso
     json["scene"] = settings.scene;
     json["sceneName"] = fs::path(settings.scene).stem().string();
     json["sceneHash"] = scene.hash;
-    const std::string version = VersionText();
-    json["commit"] = version.substr(version.find(' ') + 1);
+    const std::string program = VersionText();
+    const size_t version = program.find(' ') + 1, end = program.find(" (commit "), commit = end + 9;
+    json["version"] = program.substr(version, end - version);
+    json["commit"] = program.substr(commit, program.size() - commit - 1);
     json["commandLine"] = settings.commandLine;
     json["date"] = DateText();
     json["machine"] = DescribeMachine();

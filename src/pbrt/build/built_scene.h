@@ -172,7 +172,8 @@ RenderIdentity IdentityOf(const BuildOptions &options, const std::vector<std::st
 RenderIdentity LightIdentity(const Scene &scene, const std::string &lightSampler, const std::string &parameters);
 
 /// Text of `pbrt --list WHAT`: a family; "all": docs/reference/parameters.md; "table": the table of
-/// docs/reference/compatibility.md. Throws UserError with the choices for anything else.
+/// docs/reference/compatibility.md; "lightsamplertables": docs/reference/lightsamplers.md. Throws UserError with the
+/// choices for anything else.
 std::string ListWhat(const std::string &what, const PluginRegistry &registry);
 
 }  // namespace pbrt

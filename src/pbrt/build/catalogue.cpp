@@ -38,6 +38,11 @@ FamilyDoc DocumentShapes() {
     return doc;
 }
 
+/// Row of a Markdown table, up to the columns that follow the meaning.
+std::string ParameterRow(const ParamDoc &p, const std::string &prefix = "") {
+    return fmt::format("|`{} {}{}`|{}|{}|{}|", p.TypeText(), prefix, p.name, p.defaultValue, p.range, p.help);
+}
+
 /// Markdown table with a row for each parameter and the entities that share it.
 std::string ParameterTable(const FamilyDoc &family) {
     std::vector<std::string> rows, without;
@@ -45,7 +50,7 @@ std::string ParameterTable(const FamilyDoc &family) {
     for (const FactoryDoc &maker : family.makers) {
         if (maker.params.empty()) without.push_back(maker.name);
         for (const ParamDoc &p : maker.params) {
-            std::string row = fmt::format("|`{} {}`|{}|{}|{}|", p.TypeText(), p.name, p.defaultValue, p.range, p.help);
+            std::string row = ParameterRow(p);
             std::vector<std::string> &entities = entitiesOf[row];
             if (entities.empty()) rows.push_back(std::move(row));
             entities.push_back(maker.name);
@@ -76,6 +81,21 @@ std::string ParameterPage(std::vector<FamilyDoc> families) {
             text += fmt::format("As floattextures, with spectra for values: {}. Further:\n\n", fmt::join(shared, ", "));
         }
         text += ParameterTable(family);
+    }
+    return text;
+}
+
+/// Text of docs/reference/lightsamplers.md.
+std::string LightSamplerPage(const FamilyDoc &family) {
+    std::string text =
+        "# Light samplers\n\nThe output of `pbrt --list lightsamplertables`. A parameter is set by "
+        "`\"float octree.budget\" 0.02` of the integrator, or by `--lightsampler octree:budget=0.02`. A sampler "
+        "without a parameter `meshlights` takes `\"bool meshlights\"` of the integrator (`+mesh` in flags): an "
+        "emissive mesh is one light, and its triangles are chosen by power.\n";
+    for (const FactoryDoc &maker : family.makers) {
+        text += fmt::format("\n## {}\n\n{}\n\n", maker.name, maker.summary);
+        text += maker.params.empty() ? "No parameters.\n" : "|parameter|default|values|meaning|\n|---|---|---|---|\n";
+        for (const ParamDoc &p : maker.params) text += ParameterRow(p, maker.name + '.') + '\n';
     }
     return text;
 }
@@ -113,7 +133,8 @@ std::string ListWhat(const std::string &what, const PluginRegistry &registry) {
         return text;
     }
     if (what == "all") return ParameterPage(families);
-    std::vector<std::string> names = {"all", "table"};
+    if (what == "lightsamplertables") return LightSamplerPage(registry.samplers.Document("lightsamplers"));
+    std::vector<std::string> names = {"all", "table", "lightsamplertables"};
     for (const FamilyDoc &family : families) {
         if (family.name == what) return ListingOf(family);
         names.push_back(family.name);

@@ -153,8 +153,8 @@ void AddLightPathIntegrators(IntegratorTable &t) {
     AddShooting<LightPathParams>(
         t, "lightpath",
         "also through media, but for the light that they emit; with the cameras perspective and (only here) "
-        "orthographic and spherical; **differs**: the adjoint of shading normals is right (stock: #385), crop windows "
-        "keep all light (stock: #347), and emitters of all shapes that the camera sees have their own brightness",
+        "orthographic and spherical; **differs**: the adjoint of shading normals is used (stock: #385), crop windows "
+        "keep all light (stock: #347), and emitters of all shapes that the camera sees have their own radiance",
         {.connectsToCamera = true, .rendersMedia = true, .passesInterfaces = true, .samplesPixels = false},
         ReadLightPath);
     AddShooting<WithAdaptive<BdptParams>>(

@@ -194,7 +194,7 @@ const CameraTable &Cameras() {
         t.Add<SphericalParams>("spherical", "", [](const auto &p, const ParamSet &set, auto &c) {
             return std::make_unique<SphericalCamera>(p.Frame(set, c), p.mapping);
         });
-        t.Add<RealisticParams>("realistic", "**differs** with an aperture image, see below",
+        t.Add<RealisticParams>("realistic", "**differs** with an aperture image: [departures](#departures)",
                                [](const auto &p, const ParamSet &set, auto &c) {
                                    const CameraFrame frame = p.Frame(set, c);
                                    const ApertureImage aperture =

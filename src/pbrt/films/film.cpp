@@ -128,11 +128,11 @@ const FilmTable &Films() {
         t.Add<FilmParams>("rgb", "all 18 sensors", [](const auto &p, const ParamSet &set, auto &r) {
             return std::make_unique<RgbFilm>(p, set, r);
         });
-        t.Add<GBufferParams>("gbuffer", "**differs**, see below", [](const auto &p, const ParamSet &set, auto &r) {
-            return std::make_unique<GBufferFilm>(p, set, r);
-        });
+        t.Add<GBufferParams>(
+            "gbuffer", "**differs**: [departures](#departures)",
+            [](const auto &p, const ParamSet &set, auto &r) { return std::make_unique<GBufferFilm>(p, set, r); });
         t.Add<SpectralParams>(
-            "spectral", "**differs** at dispersive surfaces, see below",
+            "spectral", "**differs** at dispersive surfaces: [departures](#departures)",
             [](const auto &p, const ParamSet &set, auto &r) { return std::make_unique<SpectralFilm>(p, set, r); });
     });
     return table;

@@ -42,7 +42,7 @@ class LightSamplerRegistry {
                                        bool meshLights) const;
     /// Samplers that can select where light paths start.
     std::vector<std::string> EmissionSamplerNames() const;
-    /// Text of --list-lightsamplers and of docs/reference/lightsamplers.md.
+    /// Text of --list-lightsamplers.
     std::string Listing() const;
 };
 

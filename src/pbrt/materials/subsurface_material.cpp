@@ -114,7 +114,8 @@ std::shared_ptr<SurfaceMaterial> MakeSubsurface(const SubsurfaceParams &p, const
 void AddSubsurface(MaterialTable &table) {
     AddSurface<SubsurfaceParams>(
         table, "subsurface",
-        "scatters light below the surface with volpath only, as in stock; **differs** a little, see below",
+        "scatters light below the surface with volpath only, as in stock; **differs** a little: "
+        "[departures](#departures)",
         MakeSubsurface);
 }
 

@@ -314,11 +314,12 @@ const ShapeTable &Shapes() {
                               "pbrt-v4).`",
                               true, MakeCurve);
         AddShape<LoopSubdivisionParams>(t, "loopsubdiv", "limit surface by OpenSubdiv", false, MakeLoopSubdivision);
-        AddShape<PlyMeshParams>(t, "plymesh",
-                                "displacement **differs**, see below; more than 33 million triangles of one displaced "
-                                "mesh are an error",
-                                false, MakePlyMesh, {.isDisplaceable = true});
-        AddShape<SphereParams>(t, "sphere", "as lights **differs** when scaled, see below", true,
+        AddShape<PlyMeshParams>(
+            t, "plymesh",
+            "displacement **differs** ([departures](#departures)); more than 33 million triangles of one displaced "
+            "mesh are an error",
+            false, MakePlyMesh, {.isDisplaceable = true});
+        AddShape<SphereParams>(t, "sphere", "as lights **differs** when scaled: [area lights](#area-lights)", true,
                                [](const SphereParams &p, const ParamSet &, auto &c) {
                                    ShapeList shapes;
                                    shapes.push_back(std::make_unique<Sphere>(

@@ -343,7 +343,7 @@ SpectrumTexturePtr MakeMarble(const MarbleParams &p, const ParamSet &set, const 
 const FloatTextureTable &FloatTextures() {
     static const FloatTextureTable table("float texture class", [](FloatTextureTable &t) {
         AddOfBothFamilies<FloatKind>(t);
-        t.Add<ImagemapParams>("imagemap", "`wrap \"black\"` **differs**, see below",
+        t.Add<ImagemapParams>("imagemap", "`wrap \"black\"` **differs**: [departures](#departures)",
                               [](const auto &p, const ParamSet &set, auto &r) {
                                   return std::make_shared<ImageFloatTexture>(MakeImageOverlay(p, set, r));
                               });

@@ -240,5 +240,5 @@ void NeeppLightSampler::Inspect(const LightQuery &query, std::vector<InspectedVa
 void register_neepp(pbrt::PluginRegistry &registry) {
     using namespace ext;
     registry.Add<NeeppLightSampler, NeeppParams>(
-        "neepp", "visibility between voxels (NEE++, Guo et al. 2020); neither power nor distance counts");
+        "neepp", "Visibility between voxels (NEE++, Guo et al. 2020); neither power nor distance counts.");
 }

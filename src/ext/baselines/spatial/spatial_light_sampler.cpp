@@ -113,5 +113,5 @@ std::string SpatialLightSampler::DescribeStructure() const {
 void register_spatial(pbrt::PluginRegistry &registry) {
     using namespace ext;
     registry.Add<SpatialLightSampler, SpatialParams>(
-        "spatial", "unshadowed contribution per voxel, as pbrt-v3 (Noh, Choi, Moon 2023, Eq. 3)");
+        "spatial", "Unshadowed contribution per voxel, as pbrt-v3 (Noh, Choi, Moon 2023, Eq. 3).");
 }

@@ -162,8 +162,8 @@ void AddAllFlags(CLI::App &app, const PluginRegistry &registry, CommandLine &o, 
           "more samples where the image is noisier; --spp samples per pixel on average (all integrators but lightpath, "
           "mlt and sppm)"},
          {"--noise", o.noise,
-          "--adaptive until the estimated noise of the image is at most this: 0.05 is fine grain, 0.01 is clean. It is "
-          "the square root of relL2 (imgtool diff). --spp or --time is the limit",
+          "--adaptive until the estimated noise of the image is at most this: 0.05 is fine grain, 0.01 is hardly "
+          "visible. It is the square root of relL2 (imgtool diff). --spp or --time is the limit",
           PositiveNumber},
          {"--seed", build.seed, "seed of the pixel sampler (0)"},
          {"--nthreads", o.threads, "threads (0: all cores)", NonNegativeNumber},
@@ -228,7 +228,7 @@ void AddAllFlags(CLI::App &app, const PluginRegistry &registry, CommandLine &o, 
              {{"--list", o.list,
                "print what a scene can name, with all parameters, and stop: cameras, films, filters, samplers, "
                "integrators, accelerators, shapes, materials, floattextures, spectrumtextures, lights, arealights, "
-               "media, lightsamplers; all; table"},
+               "media, lightsamplers; as Markdown all, table, lightsamplertables"},
               {"--quiet", o.quiet, "no progress and no warnings; errors only"}});
     app.add_flag("--stats", o.stats,
                  "print statistics to standard output after rendering; --stats=json: as a JSON object, for scripts")

@@ -227,6 +227,12 @@ def figures(value, digits=3):
     return f"{value:,.{max(decimals, 0)}f}".replace(",", "\u202f") if size >= 10000 else f"{value:.{max(decimals, 0)}f}"
 
 
+def program_text(data):
+    """Version and commit of the program that wrote results.json."""
+    commit = f"commit {data.get('commit') or 'unknown'}"
+    return f"version {data['version']} ({commit})" if data.get("version") else commit
+
+
 def main_with(action):
     """Runs action(folder) for `python3 script.py OUT`; a user's error is one sentence and exit status 1."""
     if len(sys.argv) != 2 or sys.argv[1] in ("-h", "--help"):

@@ -151,7 +151,7 @@ def details_html(results):
     run = pairs_html([
         ("scene", f"<code>{esc(d.get('scene'))}</code>"), ("scene hash", f"<code>{esc(d.get('sceneHash'))}</code>"),
         ("command line", f"<code>{esc(d.get('commandLine'))}</code>"),
-        ("commit", f"<code>{esc(d.get('commit'))}</code>"), ("date", esc(d.get("date"))),
+        ("program", esc(lab.program_text(d))), ("date", esc(d.get("date"))),
         ("budget", esc(results.budget_text())), ("seeds", esc(d.get("seeds"))),
         ("resolution", esc(size)),
         ("depth", esc(d.get("maxDepth")) + (" (direct light only)" if d.get("direct") else "") +
@@ -278,7 +278,7 @@ def page(results):
     facts = [results.budget_text(), results.seeds_text(), f"{size[0]} × {size[1]} pixels",
              "direct light only" if d.get("direct") else f"depth {d.get('maxDepth')}",
              re.sub(r"^(\S+)T(\d+:\d+)(:\d+)?Z$", r"\1 \2 UTC", str(d.get("date") or "")),
-             f"commit {d.get('commit') or 'unknown'}"]
+             lab.program_text(d)]
     start = results.named("winner") or results.named("lowestError") or results.ranked()[0]
     others = [s for s in results.ranked() if s is not start and not s.isOracle]
     data = {"items": items, "size": size, "exposure": lab.number(d.get("exposure")),

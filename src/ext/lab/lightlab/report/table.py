@@ -119,7 +119,7 @@ def markdown(results):
     columns = [c for c in COLUMNS if c.main and any(c.value(s) is not None for s in results.samplers)]
     winner = results.named("winner")
     lines = [f"**{escape(str(results.data.get('sceneName') or results.data.get('scene') or 'scene'))}**, "
-             f"{results.budget_text()}, {results.seeds_text()}, commit {results.data.get('commit') or 'unknown'}.", "",
+             f"{results.budget_text()}, {results.seeds_text()}, {lab.program_text(results.data)}.", "",
              *(line for s in results.sentences() for line in (escape(s), "")),
              "| " + " | ".join(c.name for c in columns) + " |",
              "|" + "|".join("---" if c.key in ("label", "verdict") else "---:" for c in columns) + "|"]

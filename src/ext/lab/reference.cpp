@@ -21,7 +21,7 @@ namespace {
 
 constexpr int kParts = 8;           // seeds of a reference; their scatter estimates its noise (7 degrees of freedom)
 constexpr int kFirstSeed = 800001;  // disjoint from the seeds of runs and pilot
-constexpr int kSeedStep = 1000;     // between references
+constexpr int kSeedStep = 1000;     // between references; below SamplerRun::kSeeds
 constexpr int kMinSamples = 64;     // by time
 constexpr double kDisagree = 2;     // factor on the relL2 explained by the noise of two references
 
@@ -80,7 +80,7 @@ class ReferenceCache {
         : scene_(scene), about_(about) {
         const Bounds2i &pixels = scene.Pixels();
         ContentHash hash(
-            fmt::format("reference 2; scene {}; {}x{}, pixels {} {} {} {}; depth {}; batch {}; jitter {} {}; {}",
+            fmt::format("reference 3; scene {}; {}x{}, pixels {} {} {} {}; depth {}; batch {}; jitter {} {}; {}",
                         scene.hash, scene.FullResolution().x, scene.FullResolution().y, pixels.low.x, pixels.low.y,
                         pixels.high.x, pixels.high.y, scene.built.maxDepth, scene.Batch(),
                         scene.built.disablePixelJitter, scene.built.disableWavelengthJitter, about));
@@ -165,18 +165,21 @@ int SamplesPerPart(const ExperimentContext &context, const PilotEntry &with, int
     return samples;
 }
 
-/// Reads a finished part, or renders it; adds it to the reference. Returns false if cancelled.
-bool AddPart(const ExperimentContext &context, const SamplerChoice &choice, int seed, int samples, int partsAfter,
+/// Reads the next part if it is finished, or renders it; adds it to the reference. Parts have seeds of their own, and
+/// otherwise are consecutive samples of one render. Returns false if cancelled.
+bool AddPart(const ExperimentContext &context, const SamplerChoice &choice, int firstSeed, int samples,
              const std::string &file, Reference *reference) {
+    const int part = int(reference->parts.size());
     if (IsWholePicture(file, context.scene.Resolution())) {
         const ImageFile known = ReadImage(file);
         reference->seconds += Described(file, known.metadata).seconds;
         reference->parts.push_back(known.image.Select({"R", "G", "B"}));
         return true;
     }
-    SamplerRun run(context.scene, choice, seed, samples, context.cancel);
+    SamplerRun run(context.scene, choice, firstSeed + part, samples, context.cancel);
+    run.ContinueAfter(part * samples);
     const auto afterWave = [&] {
-        const double samplesLeft = samples * (1.0 + partsAfter) - run.Samples();
+        const double samplesLeft = samples * double(kParts - part) - run.Samples();
         context.display.Show(samplesLeft * run.SecondsPerSample());
     };
     if (!run.Prepare() || !run.RenderTo({samples, 0}, afterWave)) return false;
@@ -202,8 +205,7 @@ std::optional<Reference> MakeReference(const ExperimentContext &context, const P
     std::vector<std::string> files;
     for (int part = 0; part < kParts; ++part) {
         files.push_back(context.records.File(fmt::format("reference-{}-part{}.exr", cache.Key(), part + 1)));
-        if (!AddPart(context, with.choice, firstSeed + part, samples, kParts - 1 - part, files.back(), &reference))
-            return {};
+        if (!AddPart(context, with.choice, firstSeed, samples, files.back(), &reference)) return {};
     }
     AverageParts(&reference);
     cache.Store(&reference);

@@ -37,6 +37,15 @@ Reference Described(const std::string &path, const ImageMetadata &m) {
     return reference;
 }
 
+/// Throws UserError if the file has an attribute of this type and name with another value than the experiment's.
+template <class T>
+void RequireEqual(const std::string &path, const ImageMetadata &file, const ImageMetadata &own, const char *name) {
+    const std::optional<T> has = file.Attribute<T>(name);
+    const T needs = own.Attribute<T>(name).value();
+    if (has && *has != needs)
+        throw UserError("{}: the reference was rendered with {} {}; this experiment has {}.", path, name, *has, needs);
+}
+
 /// Sets `image` to the mean of the parts and, if there are several, `noise`.
 void AverageParts(Reference *reference) {
     MeanImage mean = AverageImages(reference->parts);
@@ -330,8 +339,13 @@ Reference ReadReference(const std::string &path, const LabScene &scene) {
             "and needs x {}-{}, y {}-{}. See --divisor.",
             path, full.x, full.y, have.low.x, have.high.x, have.low.y, have.high.y, scene.FullResolution().x,
             scene.FullResolution().y, wanted.low.x, wanted.high.x, wanted.low.y, wanted.high.y);
+    const ImageMetadata own = scene.Metadata(*scene.built.film, "", 0, 0);
+    RequireEqual<std::string>(path, file.metadata, own, "lightlab.sceneHash");
+    RequireEqual<int>(path, file.metadata, own, "pbrt.maxDepth");
+    RequireEqual<int>(path, file.metadata, own, "lightlab.sampledLight");
     Reference reference = Described(path, file.metadata);
-    reference.image = file.image.Select({"R", "G", "B"}).Crop({wanted.low - have.low, wanted.high - have.low});
+    reference.image =
+        file.image.Select({"R", "G", "B"}, path + ":").Crop({wanted.low - have.low, wanted.high - have.low});
     if (!IsFinite(reference.image)) throw UserError("{}: the reference has pixels that are not finite.", path);
     return reference;
 }

@@ -33,8 +33,8 @@ int Diff(const DiffOptions &o) {
     ImageFile image = ReadAsFloat(o.path), reference = ReadAsFloat(o.reference);
     if (!o.channels.empty()) {
         const std::vector<std::string> names = SplitChannels(o.channels);
-        image.image = image.image.Select(names);
-        reference.image = reference.image.Select(names);
+        image.image = image.image.Select(names, o.path + ":");
+        reference.image = reference.image.Select(names, o.reference + ":");
     }
     CropBoth(image, o.path, reference, o.reference, o.crop, "; choose with --channels");
 

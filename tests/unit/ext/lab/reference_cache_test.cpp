@@ -202,4 +202,25 @@ TEST_F(Experiment, GivenReferenceIsUsedAsItIs) {
     EXPECT_FALSE(fs::exists(folder_ / "two/records/pilot.json"));
 }
 
+TEST_F(Experiment, ReferencesOfOtherScenesAndSettingsAreErrors) {
+    Run(Settings("one", {"power"}));
+    ExperimentSettings settings = Settings("two", {"uniform"});
+    settings.referenceFile = Path("one/reference-0.exr");
+    settings.maxDepth = 7;
+    ExpectError([&] { Run(settings); }, {"one/reference-0.exr", "pbrt.maxDepth 2", "has 7"});
+    settings.maxDepth = {};
+    settings.sampledLightOnly = true;
+    ExpectError([&] { Run(settings); }, {"one/reference-0.exr", "lightlab.sampledLight 0", "has 1"});
+    settings.sampledLightOnly = false;
+    Write("scene.pbrt", ThreeLights() + std::string(Objects().Sphere(0.2)));
+    ExpectError([&] { Run(settings); }, {"one/reference-0.exr", "lightlab.sceneHash "});
+    // Other programs do not say.
+    WriteImage(settings.referenceFile, ReadImage(settings.referenceFile).image);
+    Run(settings);
+    settings.referenceFile = Path("grey.pfm");
+    WriteImage(settings.referenceFile, Image(PixelFormat::Float, {32, 24}, {"Y"}));
+    settings.outFolder = Path("grey");
+    ExpectError([&] { Run(settings); }, {"grey.pfm: has no channel \"R\""});
+}
+
 }  // namespace ext::lab

@@ -157,6 +157,7 @@ ImageMetadata LabScene::Metadata(const Film &film, const std::string &sampler, i
     ImageMetadata m = film.Metadata();
     m.attributes["lightlab.sampler"] = sampler;
     m.attributes["lightlab.sceneHash"] = hash;
+    m.attributes["lightlab.sampledLight"] = int(built.integratorRequest.options.sampledLightOnly);
     m.attributes["samplesPerPixel"] = samples;
     m.attributes["renderTimeSeconds"] = float(seconds);
     m.attributes["pbrt.version"] = std::string(VersionText());

@@ -194,10 +194,7 @@ void WritePictures(const ExperimentContext &context, const References &reference
     for (size_t i = 0; i < references.all.size(); ++i) {
         const Reference &r = references.all[i];
         const std::string name = fmt::format("reference-{}", i);
-        ImageMetadata metadata = scene.built.film->Metadata();
-        metadata.attributes["lightlab.sampler"] = r.sampler;
-        metadata.attributes["lightlab.sceneHash"] = scene.hash;
-        metadata.attributes["samplesPerPixel"] = r.samples;
+        const ImageMetadata metadata = scene.Metadata(*scene.built.film, r.sampler, r.samples, r.seconds);
         const std::string file = settings.outFolder + "/" + name;
         WriteImage(file + ".exr", r.image, metadata);
         WritePicture(file + ".png", r.image, exposure);

@@ -21,7 +21,7 @@ namespace {
 
 constexpr int kParts = 8;           // seeds of a reference; their scatter estimates its noise (7 degrees of freedom)
 constexpr int kFirstSeed = 800001;  // disjoint from the seeds of runs and pilot
-constexpr int kSeedStep = 1000;     // between references
+constexpr int kSeedStep = 1000;     // between references; below SamplerRun::kSeeds
 constexpr int kMinSamples = 64;     // by time
 constexpr double kDisagree = 2;     // factor on the relL2 explained by the noise of two references
 
@@ -35,6 +35,15 @@ Reference Described(const std::string &path, const ImageMetadata &m) {
     reference.seconds = double(m.Attribute<float>("renderTimeSeconds").value_or(0));
     reference.source = path;
     return reference;
+}
+
+/// Throws UserError if the file has an attribute of this type and name with another value than the experiment's.
+template <class T>
+void RequireEqual(const std::string &path, const ImageMetadata &file, const ImageMetadata &own, const char *name) {
+    const std::optional<T> has = file.Attribute<T>(name);
+    const T needs = own.Attribute<T>(name).value();
+    if (has && *has != needs)
+        throw UserError("{}: the reference was rendered with {} {}; this experiment has {}.", path, name, *has, needs);
 }
 
 /// Sets `image` to the mean of the parts and, if there are several, `noise`.
@@ -80,7 +89,7 @@ class ReferenceCache {
         : scene_(scene), about_(about) {
         const Bounds2i &pixels = scene.Pixels();
         ContentHash hash(
-            fmt::format("reference 2; scene {}; {}x{}, pixels {} {} {} {}; depth {}; batch {}; jitter {} {}; {}",
+            fmt::format("reference 3; scene {}; {}x{}, pixels {} {} {} {}; depth {}; batch {}; jitter {} {}; {}",
                         scene.hash, scene.FullResolution().x, scene.FullResolution().y, pixels.low.x, pixels.low.y,
                         pixels.high.x, pixels.high.y, scene.built.maxDepth, scene.Batch(),
                         scene.built.disablePixelJitter, scene.built.disableWavelengthJitter, about));
@@ -165,18 +174,21 @@ int SamplesPerPart(const ExperimentContext &context, const PilotEntry &with, int
     return samples;
 }
 
-/// Reads a finished part, or renders it; adds it to the reference. Returns false if cancelled.
-bool AddPart(const ExperimentContext &context, const SamplerChoice &choice, int seed, int samples, int partsAfter,
+/// Reads the next part if it is finished, or renders it; adds it to the reference. Parts have seeds of their own, and
+/// otherwise are consecutive samples of one render. Returns false if cancelled.
+bool AddPart(const ExperimentContext &context, const SamplerChoice &choice, int firstSeed, int samples,
              const std::string &file, Reference *reference) {
+    const int part = int(reference->parts.size());
     if (IsWholeImage(file, context.scene.Resolution())) {
         const ImageFile known = ReadImage(file);
         reference->seconds += Described(file, known.metadata).seconds;
         reference->parts.push_back(known.image.Select({"R", "G", "B"}));
         return true;
     }
-    SamplerRun run(context.scene, choice, seed, samples, context.cancel);
+    SamplerRun run(context.scene, choice, firstSeed + part, samples, context.cancel);
+    run.ContinueAfter(part * samples);
     const auto afterWave = [&] {
-        const double samplesLeft = samples * (1.0 + partsAfter) - run.Samples();
+        const double samplesLeft = samples * double(kParts - part) - run.Samples();
         context.display.Show(samplesLeft * run.SecondsPerSample());
     };
     if (!run.Prepare() || !run.RenderTo({samples, 0}, afterWave)) return false;
@@ -202,8 +214,7 @@ std::optional<Reference> MakeReference(const ExperimentContext &context, const P
     std::vector<std::string> files;
     for (int part = 0; part < kParts; ++part) {
         files.push_back(context.records.File(fmt::format("reference-{}-part{}.exr", cache.Key(), part + 1)));
-        if (!AddPart(context, with.choice, firstSeed + part, samples, kParts - 1 - part, files.back(), &reference))
-            return {};
+        if (!AddPart(context, with.choice, firstSeed, samples, files.back(), &reference)) return {};
     }
     AverageParts(&reference);
     cache.Store(&reference);
@@ -328,8 +339,13 @@ Reference ReadReference(const std::string &path, const LabScene &scene) {
             "and needs x {}-{}, y {}-{}. See --divisor.",
             path, full.x, full.y, have.low.x, have.high.x, have.low.y, have.high.y, scene.FullResolution().x,
             scene.FullResolution().y, wanted.low.x, wanted.high.x, wanted.low.y, wanted.high.y);
+    const ImageMetadata own = scene.Metadata(*scene.built.film, "", 0, 0);
+    RequireEqual<std::string>(path, file.metadata, own, "lightlab.sceneHash");
+    RequireEqual<int>(path, file.metadata, own, "pbrt.maxDepth");
+    RequireEqual<int>(path, file.metadata, own, "lightlab.sampledLight");
     Reference reference = Described(path, file.metadata);
-    reference.image = file.image.Select({"R", "G", "B"}).Crop({wanted.low - have.low, wanted.high - have.low});
+    reference.image =
+        file.image.Select({"R", "G", "B"}, path + ":").Crop({wanted.low - have.low, wanted.high - have.low});
     if (!IsFinite(reference.image)) throw UserError("{}: the reference has pixels that are not finite.", path);
     return reference;
 }

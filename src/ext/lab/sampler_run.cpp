@@ -32,6 +32,7 @@ SamplerRun::SamplerRun(const LabScene &scene, const SamplerChoice &choice, int s
       film_(scene.built.film->MakeRgbFilm()), sampler_(scene.built.sampler->WithSeed(seed)),
       settings_(scene.built.Settings()),
       renderer_({*integrator_, *scene.built.camera, *scene.built.filter, *film_, *sampler_, cancel}, settings_) {
+    sampler_->SkipSamples(int64_t{seed % kSeeds} * expectedSamples);
     record_.seed = seed;
     record_.expectedSamples = expectedSamples;
 }

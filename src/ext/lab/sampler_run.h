@@ -9,6 +9,7 @@ namespace ext::lab {
 /// run may be active at a time (the ray counters are per process).
 class SamplerRun {
   public:
+    /// Runs whose seeds differ by less than kSeeds share no film positions within the expected samples.
     /// `expectedSamples`: samples per pixel to be rendered, for samplers whose preparation depends on it. `maxDepth`:
     /// scattering events of a path; default the experiment's.
     SamplerRun(const LabScene &scene, const SamplerChoice &choice, int seed, int expectedSamples, Progress &cancel,
@@ -16,6 +17,8 @@ class SamplerRun {
 
     /// Prepares the light sampler; call once, before rendering. Returns false if cancelled.
     bool Prepare();
+    /// Call before rendering. The run continues others of this many samples per pixel: RenderSettings::samplesBefore.
+    void ContinueAfter(int samples) { settings_.samplesBefore = samples; }
     /// Call after Prepare. Resumes a run from its saved film; its clock continues from the recorded time.
     void Resume(const RunRecord &record, const std::string &filmFile);
     /// Renders in waves: at least one sample; then no wave starts that would end more than half a sample after the
@@ -31,6 +34,8 @@ class SamplerRun {
     Image Picture() const { return film_->ToImage(); }
     ImageMetadata Metadata() const;
     void SaveFilm(const std::string &path) const;
+
+    static constexpr int kSeeds = 10000;
 
   private:
     const LabScene &scene_;

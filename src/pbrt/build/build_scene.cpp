@@ -258,6 +258,7 @@ BuiltScene BuildScene(SceneDescription &d, const BuildOptions &given, const Plug
     BuildOptions options = given;
     built.leftOut = CheckSupported(d, options, sink);
     const size_t checked = sink.All().size();
+    CheckUnbuilt(d, registry, sink);
 
     const Placement placement = PlaceCamera(d, options, sink);
     ChooseRenderOptions(d.options, options, built, sink);

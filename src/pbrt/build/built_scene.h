@@ -171,6 +171,9 @@ RenderIdentity IdentityOf(const BuildOptions &options, const std::vector<std::st
 /// name. Cameras, films and materials may differ.
 RenderIdentity LightIdentity(const Scene &scene, const std::string &lightSampler, const std::string &parameters);
 
+/// Reports unknown names in the directives that nothing is built from, SceneDescription::unbuilt.
+void CheckUnbuilt(const SceneDescription &description, const PluginRegistry &registry, DiagnosticSink &sink);
+
 /// Text of `pbrt --list WHAT`: a family; "all": docs/reference/parameters.md; "table": the table of
 /// docs/reference/compatibility.md; "lightsamplertables": docs/reference/lightsamplers.md. Throws UserError with the
 /// choices for anything else.

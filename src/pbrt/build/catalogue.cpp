@@ -1,5 +1,8 @@
 #include <fmt/ranges.h>
 
+#include <algorithm>
+#include <set>
+
 #include "pbrt/build/geometry_builder.h"
 #include "pbrt/build/integrator_builder.h"
 #include "pbrt/cameras/camera.h"
@@ -124,6 +127,50 @@ std::vector<FamilyDoc> AllFamilies(const PluginRegistry &registry) {
 }
 
 }  // namespace
+
+void CheckUnbuilt(const SceneDescription &d, const PluginRegistry &registry, DiagnosticSink &sink) {
+    constexpr std::pair<std::string_view, std::string_view> kFamilyOf[] = {{"Camera", "cameras"},
+                                                                           {"Film", "films"},
+                                                                           {"PixelFilter", "filters"},
+                                                                           {"Sampler", "samplers"},
+                                                                           {"Accelerator", "accelerators"},
+                                                                           {"shape", "shapes"},
+                                                                           {"light", "lights"},
+                                                                           {"light", "arealights"},
+                                                                           {"material", "materials"},
+                                                                           {"texture", "floattextures"},
+                                                                           {"texture", "spectrumtextures"},
+                                                                           {"medium", "media"}};
+    if (d.unbuilt.empty()) return;
+    const std::vector<FamilyDoc> families = AllFamilies(registry);
+    const auto check = [&](const std::string &key, const Entity &entity) {
+        if (key == "Integrator") {
+            if (entity.type != kUnsupportedIntegrator) ReadIntegrator(entity, {}, registry, sink);
+            return;
+        }
+        ParamReader reader(entity.params);
+        std::set<std::pair<std::string, ParamType>> declared;
+        if (key == "material" || key == "medium") reader.Declare("type", ParamType::String);
+        for (const FamilyDoc &family : families) {
+            if (std::ranges::find(kFamilyOf, std::pair(std::string_view(key), std::string_view(family.name))) ==
+                std::end(kFamilyOf))
+                continue;
+            std::vector<std::string> names;
+            for (const FactoryDoc &maker : family.makers) {
+                names.push_back(maker.name);
+                if (!entity.type.empty() && entity.type != maker.name) continue;
+                for (const ParamDoc &doc : maker.params)
+                    for (const ParamType type : doc.types)
+                        if (declared.insert({doc.name, type}).second) reader.Declare(doc.name, type);
+            }
+            if (!entity.type.empty() && std::ranges::find(names, entity.type) == names.end())
+                ThrowUnknown(family.what, entity.type, names, entity.loc);
+        }
+        reader.Finish(sink);
+    };
+    for (const auto &[key, entities] : d.unbuilt)
+        for (const Entity &entity : entities) Collect(sink, [&] { check(key, entity); });
+}
 
 std::string ListWhat(const std::string &what, const PluginRegistry &registry) {
     const std::vector<FamilyDoc> families = AllFamilies(registry);

@@ -159,11 +159,11 @@ Float Image::Bilinear(Point2 st, int channel, WrapMode wrap) const {
     return Lerp(dy, top, bottom);
 }
 
-Image Image::Extract(const std::vector<std::string> &channels) const {
+Image Image::Extract(const std::vector<std::string> &channels, const std::string &name) const {
     std::vector<size_t> from;
-    for (const std::string &name : channels) {
-        int index = FindChannel(name);
-        if (index < 0) throw UserError("The image has no channel \"{}\"; {}", name, ListChoices(name, channels_));
+    for (const std::string &channel : channels) {
+        int index = FindChannel(channel);
+        if (index < 0) throw UserError("{} has no channel \"{}\"; {}", name, channel, ListChoices(channel, channels_));
         from.push_back(index);
     }
     Image result(format_, resolution_, channels, encoding_);
@@ -178,8 +178,8 @@ Image Image::Extract(const std::vector<std::string> &channels) const {
     return result;
 }
 
-Image Image::Select(const std::vector<std::string> &channels) const {
-    return Extract(channels).ConvertTo(PixelFormat::Float);
+Image Image::Select(const std::vector<std::string> &channels, const std::string &name) const {
+    return Extract(channels, name).ConvertTo(PixelFormat::Float);
 }
 
 Image Image::ConvertTo(PixelFormat format) const {

@@ -73,12 +73,12 @@ class Image {
     void Set(Point2i p, int channel, Float linear);
     /// Bilinear at st in [0,1]^2, pixel centres at half-integers.
     Float Bilinear(Point2 st, int channel, WrapMode wrap) const;
-    /// Returns the named channels as float; throws UserError if one is missing.
-    Image Select(const std::vector<std::string> &channels) const;
+    /// Returns the named channels as float. Throws UserError if one is missing; `name`: subject of its message.
+    Image Select(const std::vector<std::string> &channels, const std::string &name = "The image") const;
     /// As many names as there are channels.
     void RenameChannels(std::vector<std::string> names) { channels_ = std::move(names); }
     /// As Select, but keeps format and encoding.
-    Image Extract(const std::vector<std::string> &channels) const;
+    Image Extract(const std::vector<std::string> &channels, const std::string &name = "The image") const;
     Image ConvertTo(PixelFormat format) const;
     /// `bounds` must lie inside the image.
     Image Crop(const Bounds2i &bounds) const;

@@ -25,6 +25,8 @@ auto NamingFile(const std::string &path, const char *use, auto &&f) {
         std::string text = e.what();
         while (!text.empty() && (text.back() == '.' || std::isspace(static_cast<unsigned char>(text.back()))))
             text.pop_back();
+        // OpenImageIO gives no reason for damaged PNM files.
+        if (text.empty()) text = "the pixels cannot be read or written; the file may be damaged or cut off";
         throw UserError("{}: {}.", path, text);
     }
 }

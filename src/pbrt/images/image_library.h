@@ -1,6 +1,5 @@
 #pragma once
 #include <cstddef>
-#include <cstdint>
 #include <memory>
 #include <span>
 #include <string>
@@ -31,7 +30,6 @@ class OpenFile {
     ValueType type = ValueType::U8;           ///< U8, U16 (PNG only) or Float
     std::string format;                       ///< OpenImageIO's format name
     int orientation = 1;                      ///< EXIF numbering
-    uint64_t minFileBytes = 0;                ///< shorter files are truncated; 0: unknown
 };
 
 /// Tiled files on disk; tiles are loaded on demand and cached up to a limit.

@@ -126,18 +126,6 @@ class CachedTiles final : public TileStore {
     int tileSize_;
 };
 
-/// Lower bound of the pixel bytes of an uncompressed TIFF file. A palette has one sample per pixel.
-uintmax_t StoredBytes(const OIIO::ImageSpec &spec) {
-    constexpr int kPalette = 3, kYCbCr = 6;
-    const int kind = spec.get_int_attribute("tiff:PhotometricInterpretation", -1);
-    if (kind == kYCbCr) return 0;  // colours may be stored at a lower resolution
-    // For a palette, the first attribute is the bits in the file, the second those of the colours.
-    const int bits = spec.get_int_attribute(
-        "tiff:BitsPerSample", spec.get_int_attribute("oiio:BitsPerSample", int(spec.format.basesize()) * 8));
-    const auto rowBits = uintmax_t(spec.width) * uintmax_t(kind == kPalette ? 1 : spec.nchannels) * uintmax_t(bits);
-    return rowBits / 8 * uintmax_t(spec.height);
-}
-
 class OpenInput final : public OpenFile {
   public:
     OpenInput(const std::string &path, std::unique_ptr<OIIO::ImageInput> input) : input_(std::move(input)) {
@@ -150,8 +138,6 @@ class OpenInput final : public OpenFile {
         orientation = spec.get_int_attribute("Orientation", 1);
         const bool png = format == "png";
         channels = std::min(spec.nchannels, png ? PngChannels(path) : spec.nchannels >= 3 ? 3 : 1);
-        // OpenImageIO zero-fills missing data of uncompressed TIFF files, so callers check the file size.
-        if (format == "tiff" && spec.get_string_attribute("compression") == "none") minFileBytes = StoredBytes(spec);
         // Everything except float and 16-bit PNG is read as 8 bit.
         type = spec.format.is_floating_point()     ? ValueType::Float
                : png && spec.format.basesize() > 1 ? ValueType::U16

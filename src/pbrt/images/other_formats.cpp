@@ -1,6 +1,10 @@
 #include <Imath/half.h>
 #include <dlfcn.h>
 
+#include <algorithm>
+#include <filesystem>
+#include <fstream>
+
 #include "pbrt/core/error.h"
 #include "pbrt/core/files.h"
 #include "pbrt/core/log.h"
@@ -56,18 +60,68 @@ double MaxExpansion(const std::string &format) {
     return Infinity;
 }
 
-/// Throws UserError for truncated JPEG files, which the JPEG library silently fills with grey.
-void CheckJpegEnd(const std::string &path) {
-    // In pixel data a byte 0xff is always followed by 0 or a restart marker.
-    const std::string content = ReadFileContents(path);
-    const size_t pixels = content.rfind("\xff\xda"), end = content.rfind("\xff\xd9");
-    if (end == std::string::npos || (pixels != std::string::npos && end < pixels))
-        throw UserError("{}: the pixels end too early.", path);
+/// True if all strips or tiles of the first image of a TIFF or BigTIFF file are in the file.
+bool HasTiffPixels(const std::string &path) {
+    std::ifstream in(path, std::ios::binary);
+    std::error_code failed;
+    const uint64_t size = std::filesystem::file_size(path, failed);
+    const bool isLittleEndian = in.peek() == 'I';
+    bool isWhole = !failed;
+    // Of `count` integers of `bytes` bytes each.
+    const auto numbers = [&](uint64_t at, uint64_t count, uint64_t bytes) {
+        std::vector<uint64_t> list;
+        isWhole = isWhole && at <= size && count <= (size - at) / bytes;
+        if (!isWhole) return std::vector<uint64_t>(1);
+        std::string raw(count * bytes, '\0');
+        in.seekg(std::streamoff(at)).read(raw.data(), std::streamsize(raw.size()));
+        for (uint64_t first = 0; first < raw.size(); first += bytes) {
+            uint64_t &v = list.emplace_back(0);
+            for (uint64_t i = 0; i < bytes; ++i)
+                v = v << 8 | uint8_t(raw[first + (isLittleEndian ? bytes - 1 - i : i)]);
+        }
+        return list;
+    };
+    const auto number = [&](uint64_t at, uint64_t bytes) { return numbers(at, 1, bytes)[0]; };
+    const bool isBig = number(2, 2) == 43;
+    const uint64_t word = isBig ? 8 : 4, directory = number(word, word), head = isBig ? 8 : 2;
+    const uint64_t entries = number(directory, head);
+    std::vector<uint64_t> starts, lengths;
+    for (uint64_t i = 0; i < entries && isWhole; ++i) {
+        const uint64_t entry = directory + head + i * (4 + 2 * word);
+        const uint64_t tag = number(entry, 2), type = number(entry + 2, 2), count = number(entry + 4, word);
+        const bool isStart = tag == 273 || tag == 324;
+        if (!isStart && tag != 279 && tag != 325) continue;
+        const uint64_t bytes = type == 3 ? 2 : type == 16 ? 8 : 4, value = entry + 4 + word;
+        (isStart ? starts : lengths) = numbers(count > word / bytes ? number(value, word) : value, count, bytes);
+    }
+    for (size_t i = 0; i < std::min(starts.size(), lengths.size()); ++i)
+        isWhole = isWhole && starts[i] <= size && lengths[i] <= size - starts[i];
+    return isWhole;
+}
+
+/// Throws UserError for truncated files that the libraries fill silently (JPEG with grey, TIFF with zeros) or report on
+/// stderr themselves (PNG).
+void CheckEnd(const std::string &path) {
+    std::string start(4, '\0');
+    std::ifstream(path, std::ios::binary).read(start.data(), 4);
+    const bool isPng = start == "\x89PNG";
+    bool isWhole = true;
+    if (isPng || start.starts_with("\xff\xd8")) {
+        // In the pixel data of JPEG a byte 0xff is always followed by 0 or a restart marker.
+        const std::string content = ReadFileContents(path);
+        const size_t pixels = content.rfind(isPng ? "IDAT" : "\xff\xda");
+        const size_t end = content.rfind(isPng ? "IEND" : "\xff\xd9");
+        isWhole = end != std::string::npos && (pixels == std::string::npos || end > pixels);
+    } else if ((start.starts_with("II") || start.starts_with("MM")) && start.find_first_of("*+") != start.npos) {
+        isWhole = HasTiffPixels(path);
+    }
+    if (!isWhole) throw UserError("{}: the pixels end too early.", path);
 }
 
 }  // namespace
 
 ImageFile ReadOther(const std::string &path, std::optional<ColorEncoding> encoding) {
+    CheckEnd(path);
     const std::unique_ptr<oiio::OpenFile> file = oiio::Library().Open(path);
     const Point2i resolution(file->width, file->height);
     const std::vector<std::string> names = NamesFor(file->channels);
@@ -75,14 +129,11 @@ ImageFile ReadOther(const std::string &path, std::optional<ColorEncoding> encodi
     const bool isFloat = file->type == oiio::ValueType::Float, isDeep = file->type == oiio::ValueType::U16;
     const int valueBytes = isFloat ? 4 : isDeep ? 2 : 1;
     CheckSize(path, resolution.x, resolution.y, file->channels, valueBytes, MaxExpansion(file->format));
-    std::error_code failed;
     if (file->format == "hdr" && file->orientation > 4)
         throw UserError(
             "{}: the pixels are stored column by column; only row by row is supported (a resolution line "
             "such as \"-Y {} +X {}\").",
             path, file->height, file->width);
-    if (std::filesystem::file_size(path, failed) < file->minFileBytes)
-        throw UserError("{}: the pixels end too early.", path);
     ImageFile result;
     Image &image = result.image;
     if (isDeep) {
@@ -96,7 +147,6 @@ ImageFile ReadOther(const std::string &path, std::optional<ColorEncoding> encodi
         image = Image(isFloat ? PixelFormat::Float : PixelFormat::U8, resolution, names, bytes);
         file->Read(image.Data());
     }
-    if (file->format == "jpeg") CheckJpegEnd(path);
     // EXIF orientation of photographs is ignored, as in stock pbrt-v4.
     if (file->format == "targa" || file->format == "hdr") image = Upright(image, file->orientation);
     return result;

@@ -33,7 +33,8 @@ struct RenderPass {
     Film &film;
     std::span<const std::unique_ptr<Sampler>> samplers;  ///< one per thread, by ThreadIndex()
     int samplesPerPixel = 1;                             ///< per sampler batch
-    int batchFirst = 0;                                  ///< samples per pixel before this batch
+    int samplesBefore = 0;                               ///< RenderSettings::samplesBefore
+    int batchFirst = 0;                                  ///< samples per pixel of the render before this batch
     int first = 0, count = 1;                            ///< sample range within the batch
     bool jittersPixels = true;  ///< false: sample pixel centres, lens centre, mid-shutter; full texture footprints
     bool jittersWavelengths = true;

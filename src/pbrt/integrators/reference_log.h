@@ -27,7 +27,8 @@ class ReferenceLog {
             throw UserError("{}: the reference image covers x {}-{}, y {}-{}; the film needs x {}-{}, y {}-{}.",
                             referenceImage, have.low.x, have.high.x, have.low.y, have.high.y, wanted.low.x,
                             wanted.high.x, wanted.low.y, wanted.high.y);
-        log.reference_ = file.image.Select({"R", "G", "B"}).Crop({wanted.low - have.low, wanted.high - have.low});
+        log.reference_ = file.image.Select({"R", "G", "B"}, referenceImage + ":")
+                             .Crop({wanted.low - have.low, wanted.high - have.low});
         log.name_ = outFile;
         log.out_.reset(std::fopen(outFile.c_str(), "w"));
         if (!log.out_) throw UserError("{}: cannot be written: {}.", outFile, std::strerror(errno));

@@ -35,6 +35,7 @@ struct RenderSettings {
     int samplesPerPixel = 16;  ///< per batch of the pixel sampler
     int firstSample = 0;       ///< per pixel; earlier ones are not rendered
     int endSample = 0;         ///< exclusive; 0: samplesPerPixel
+    int samplesBefore = 0;     ///< per pixel, of other renders that this one continues; moves the radius of "sppm"
     /// Positive: render waves until this many seconds have passed since `start`, ignoring endSample.
     double timeBudget = 0;
     double noise = 0;  ///< positive: an adaptive render ends at the first decision that estimates at most this

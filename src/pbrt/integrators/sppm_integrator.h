@@ -54,7 +54,7 @@ class SppmIntegrator final : public PixelIntegrator {
         const SampledWavelengths lambda =
             pass.film.SampleWavelengths(pass.jittersWavelengths ? uWavelengths_ : Float(0.5));
 
-        const Float radius = settings_.radius * RelativeRadius(pass.batchFirst + pass.first);
+        const Float radius = settings_.radius * RelativeRadius(pass.samplesBefore + pass.batchFirst + pass.first);
         const int64_t paths =
             settings_.photonsPerIteration > 0 ? settings_.photonsPerIteration : pass.film.PixelBounds().Area();
         RequireMemory(double(paths) * sizeof(Photon), fmt::format("Integrator \"sppm\": a map of {} photons", paths),

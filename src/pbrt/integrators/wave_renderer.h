@@ -142,6 +142,8 @@ class WaveRenderer {
             round_ = round;
             const auto fill = [&](std::vector<std::unique_ptr<Sampler>> &samplers, int index) {
                 const std::unique_ptr<Sampler> prototype = context_.sampler.ForBatch(index);
+                // The samples of adaptive renders differ by AdaptiveSampleIndex.
+                if (!context_.half) prototype->SkipSamples(int64_t{index} * batch);
                 for (std::unique_ptr<Sampler> &s : samplers) s = prototype->Clone();
             };
             fill(samplers_, round);
@@ -156,6 +158,7 @@ class WaveRenderer {
                               .film = context_.film,
                               .samplers = samplers_,
                               .samplesPerPixel = batch,
+                              .samplesBefore = settings_.samplesBefore,
                               .batchFirst = round_ * batch,
                               .first = Done() - round_ * batch,
                               .count = size,

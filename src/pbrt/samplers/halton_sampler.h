@@ -58,7 +58,7 @@ class HaltonSampler final : public SamplerBySettings<HaltonSampler> {
                            InverseRadicalInverse(y, 3, exponents_.y) * yStep_) %
                           stride_;
         }
-        index_ = pixelIndex_ + uint64_t(sampleIndex) * stride_;
+        index_ = pixelIndex_ + (settings_.firstSample + uint64_t(sampleIndex)) * stride_;
         return std::max(2, dimension);
     }
     Run Prepare(int dimension, Numbers &numbers) override {

@@ -16,6 +16,7 @@ struct SamplerSettings {
     Point2i resolution{1, 1};  ///< of the full film
     Randomization randomization = Randomization::None;
     int seed = 0;
+    uint64_t firstSample = 0;  ///< Sampler::SkipSamples
 };
 
 /// Sample values in [0, 1) as a function of (seed, pixel, sample index, dimension) only. Not thread-safe: each thread
@@ -47,10 +48,13 @@ class Sampler {
     }
     virtual Point2 GetPixel2D() { return Get2D(); }  ///< position inside the pixel
     virtual std::unique_ptr<Sampler> Clone() const = 0;
-    /// Same kind of sampler with another seed.
+    /// Same kind of sampler with another seed. The film positions of "halton" and "sobol" do not depend on the seed.
     virtual std::unique_ptr<Sampler> WithSeed(int seed) const = 0;
+    /// Omits samples, if the film positions do not depend on the seed. Samplers that render together need different
+    /// seeds and samples.
+    void SkipSamples(int64_t count) { settings_.firstSample += uint64_t(count); }
     /// Sampler of the index-th batch of SamplesPerPixel() samples: a clone for batch 0, else one with a seed derived
-    /// from this one's and the index.
+    /// from this one's and the index. It skips no samples.
     std::unique_ptr<Sampler> ForBatch(int index) const;
 
   protected:

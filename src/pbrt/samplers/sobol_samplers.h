@@ -75,7 +75,8 @@ class SobolSampler final : public SamplerBySettings<SobolSampler> {
   protected:
     int StartSample(Point2i pixel, int sampleIndex, int dimension) override {
         uint32_t mask = (1u << log2Resolution_) - 1;
-        index_ = (*pixelIndex_)(uint64_t(sampleIndex), uint32_t(pixel.x) & mask, uint32_t(pixel.y) & mask);
+        const uint64_t frame = settings_.firstSample + uint64_t(sampleIndex);
+        index_ = (*pixelIndex_)(frame, uint32_t(pixel.x) & mask, uint32_t(pixel.y) & mask);
         return std::max(2, dimension);
     }
     Run Prepare(int dimension, Numbers &numbers) override {

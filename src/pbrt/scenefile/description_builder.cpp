@@ -77,6 +77,7 @@ void DescriptionBuilder::SetCamera(const std::string &type, Params params, const
     camera.endTime = s.endTime;
     camera.medium = s.outsideMedium;
     units_.back().coordinateSystems["camera"] = {s.ctm.start.Inverse(), s.ctm.end.Inverse()};
+    KeepReplaced(scene_.camera, "Camera");
     scene_.camera = std::move(camera);
 }
 
@@ -187,7 +188,17 @@ void DescriptionBuilder::ReportOpenBlocks() {
                                                            : "ObjectBegin without ObjectEnd.");
 }
 
-void DescriptionBuilder::AddAttributes(AttributeTarget target, Params params) {
+void DescriptionBuilder::AddAttributes(AttributeTarget target, const std::string &name, Params params,
+                                       const FileLoc &loc) {
+    std::vector<Entity> &all = scene_.unbuilt[name];
+    if (all.empty()) all.emplace_back().params = ParamSet(fmt::format("Attribute \"{}\"", name), loc);
+    for (const Param &p : params) {
+        Param declaration;
+        declaration.type = p.type;
+        declaration.name = p.name;
+        declaration.loc = p.loc;
+        all[0].params.Add(std::move(declaration));
+    }
     auto &list = State().attributes[size_t(target)];
     // Copied at most once per scope, so that many directives in one scope take linear time.
     if (!list) list = std::make_shared<Params>();

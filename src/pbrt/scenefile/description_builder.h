@@ -66,6 +66,7 @@ class DescriptionBuilder {
     /// For Film, Sampler, PixelFilter, Integrator and Accelerator.
     void SetEntity(Entity SceneDescription::*entity, const char *directive, const std::string &type, Params params,
                    const FileLoc &loc) {
+        KeepReplaced(scene_.*entity, directive);
         Fill(scene_.*entity, type, directive, std::move(params), loc);
     }
     void WorldBegin();
@@ -83,7 +84,7 @@ class DescriptionBuilder {
     /// Discards the unit's state. If `complete`, open blocks are errors; else parsing ended early.
     void EndImport(bool complete);
 
-    void AddAttributes(AttributeTarget target, Params params);
+    void AddAttributes(AttributeTarget target, const std::string &name, Params params, const FileLoc &loc);
     void SetColorSpace(const std::string &name, const FileLoc &loc);
     void SetAreaLight(const std::string &type, Params params, const FileLoc &loc);
 
@@ -117,6 +118,9 @@ class DescriptionBuilder {
 
     void Fill(Entity &entity, const std::string &type, const char *directive, Params params, const FileLoc &loc,
               std::optional<AttributeTarget> target = {}) const;
+    void KeepReplaced(Entity &entity, const char *directive) {
+        if (entity.loc) scene_.unbuilt[directive].push_back(std::move(entity));
+    }
     /// Fill for a named entity, whose type is its parameter "string type".
     void FillNamed(Entity &entity, const std::string &name, const char *directive, Params params, const FileLoc &loc,
                    AttributeTarget target);

@@ -3,6 +3,7 @@
 #include <optional>
 #include <string>
 #include <string_view>
+#include <tuple>
 #include <vector>
 
 #include "pbrt/core/params.h"
@@ -40,6 +41,7 @@ class ParameterReader {
             param.floats.assign(floats_.begin(), floats_.end());
             list.push_back(std::move(param));
         }
+        WarnOfRepeated(list);
         return list;
     }
 
@@ -113,6 +115,17 @@ class ParameterReader {
                         Abbreviate(typeWord), OldNameHint("parameter type", typeWord),
                         ListChoices(typeWord, {kParamTypeNames.begin(), kParamTypeNames.end()}));
         return param;
+    }
+    void WarnOfRepeated(const std::vector<Param> &list) {
+        if (list.size() < 2) return;
+        std::vector<const Param *> sorted;
+        for (const Param &p : list) sorted.push_back(&p);
+        const auto key = [](const Param *p) { return std::tie(p->name, p->type); };
+        std::ranges::stable_sort(sorted, {}, key);
+        for (size_t i = 1; i < sorted.size(); ++i)
+            if (const Param &p = *sorted[i], &before = *sorted[i - 1]; key(&p) == key(&before))
+                sink_.Warning(p.loc, "\"{} {}\" replaces the one given at {}:{}:{}.", Name(p.type),
+                              Abbreviate(p.name), before.loc.file->name, before.loc.line, before.loc.column);
     }
     void ReadValues(const Param &param, bool known, Values &values) {
         floats_.clear();

@@ -295,7 +295,8 @@ class DirectiveReader {
         Token target = arguments_.ReadString("an attribute target");
         Params params = ReadParams();
         if (const auto index = Choose(target, "attribute target", {"shape", "light", "material", "medium", "texture"}))
-            builder_.AddAttributes(static_cast<AttributeTarget>(*index), std::move(params));
+            builder_.AddAttributes(static_cast<AttributeTarget>(*index), std::string(target.text), std::move(params),
+                                   here_);
     }
 
     void ReadColorSpace() {

@@ -1,4 +1,5 @@
 #pragma once
+#include <map>
 #include <optional>
 #include <string>
 #include <vector>
@@ -104,6 +105,9 @@ struct SceneDescription {
     std::vector<ShapeEntity> shapes;
     std::vector<ObjectEntity> objects;
     std::vector<InstanceEntity> instances;
+    /// Directives to be checked only. By directive: replaced options. By target of Attribute: one entity without type,
+    /// which has the parameters of all such directives without their values.
+    std::map<std::string, std::vector<Entity>> unbuilt;
     FileResolver files;
 };
 

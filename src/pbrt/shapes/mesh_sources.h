@@ -14,6 +14,7 @@ struct PlyMesh {
     MeshData triangles, quads;
     size_t ignoredFaces = 0;      ///< with another number of corners
     size_t brokenAttributes = 0;  ///< non-finite normals and uv, replaced by 0
+    size_t surplusBytes = 0;      ///< after the last element, without white space before them
 };
 
 /// Parses a PLY file (ascii, or binary of either byte order; already decompressed). Throws UserError, without location

@@ -9,6 +9,7 @@
 #include <iterator>
 #include <sstream>
 #include <string_view>
+#include <utility>
 
 #include "pbrt/core/error.h"
 
@@ -113,6 +114,16 @@ class Reader {
         return int64_t(v);
     }
 
+    int64_t ListLength(const Property &list) {
+        const int64_t n = Integer(list.countType);
+        if (n < 0) Fail("list \"{}\" has the length {}", list.name, n);
+        return n;
+    }
+    size_t BytesAfterSpace() {
+        at_ = std::find_if_not(at_, end_, IsSpace);
+        return BytesLeft();
+    }
+
     template <class... T>
     [[noreturn]] void Fail(fmt::format_string<T...> format, T &&...values) const {
         const std::string message = fmt::format(format, std::forward<T>(values)...);
@@ -132,12 +143,13 @@ class Reader {
         return true;
     }
     void ReadFormat(const WordList &w) {
-        hasFormat_ = true;
+        if (std::exchange(hasFormat_, true)) Fail("the format is declared twice");
         static const WordList kFormats = {"ascii", "binary_little_endian", "binary_big_endian"};
         const std::string given(w.size() > 1 ? w[1] : "");
         const auto format = std::ranges::find(kFormats, given);
         if (w.size() != 3 || format == kFormats.end())
             Fail("format \"{}\" is not known; {}", given, ListChoices(given, kFormats));
+        if (w[2] != "1.0") Fail("version {} of the format is not known; only 1.0 is", w[2]);
         encoding_ = static_cast<Encoding>(format - kFormats.begin());
     }
     void ReadElement(const WordList &w) {
@@ -235,7 +247,7 @@ std::vector<int> VertexSlots(const Element &e) {
 }
 
 void SkipProperty(Reader &body, const Property &p) {
-    int64_t n = p.isList ? body.Integer(p.countType) : 1;
+    int64_t n = p.isList ? body.ListLength(p) : 1;
     for (int64_t i = 0; i < n; ++i) body.Number(p.type);
 }
 
@@ -307,7 +319,7 @@ void ReadFaces(Reader &body, const Element &e, uint64_t vertexCount, PlyMesh &me
                 SkipProperty(body, p);
                 continue;
             }
-            n = body.Integer(p.countType);
+            n = body.ListLength(p);
             for (int64_t c = 0; c < n; ++c) {
                 int64_t v = body.Integer(p.type);
                 if (v < 0 || v >= int64_t(vertexCount))
@@ -351,6 +363,7 @@ PlyMesh ParsePly(const std::string &content, const std::string &name) {
             }
         }
     }
+    mesh.surplusBytes = body.BytesAfterSpace();
     bool triangles = !mesh.triangles.indices.empty(), quads = !mesh.quads.indices.empty();
     if (!triangles && !quads) throw UserError("{}: has no faces with 3 or 4 corners.", name);
     auto give = [](MeshData &to, MeshData from) {

@@ -236,6 +236,10 @@ ShapeList MakePlyMesh(const PlyMeshParams &p, const ParamSet &set, const ShapeCo
         set.Warn(context.sink, "filename",
                  fmt::format("{}: {} normals or uv are infinite or not a number; they are taken as 0.", p.filename,
                              ply.brokenAttributes));
+    if (ply.surplusBytes > 0)
+        set.Warn(context.sink, "filename",
+                 fmt::format("{}: has {} after its last element; the file may be damaged.", p.filename,
+                             CountText(ply.surplusBytes, "byte")));
     if (context.displacement) {
         try {
             const Transform place = Product({context.renderFromPlaced, context.renderFromObject});

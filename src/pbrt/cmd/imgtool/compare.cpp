@@ -18,17 +18,25 @@ double Mean(const Image &image) {
     return mean.Mean();
 }
 
+/// Crops two images and checks that they can be compared: also parts of one image, if the files say which.
+void CropBoth(ImageFile &a, const std::string &pathA, ImageFile &b, const std::string &pathB,
+              const std::vector<int> &crop, const std::string &hint = "") {
+    if (!a.metadata.pixelBounds || !b.metadata.pixelBounds || a.metadata.fullResolution != b.metadata.fullResolution)
+        CheckComparable(a, pathA, b, pathB, hint);
+    ApplyCrop(a, crop, pathA);
+    ApplyCrop(b, crop, pathB);
+    CheckComparable(a, pathA, b, pathB, hint);
+}
+
 int Diff(const DiffOptions &o) {
     const Metric metric = ChosenMetric(o.metric);
     ImageFile image = ReadAsFloat(o.path), reference = ReadAsFloat(o.reference);
     if (!o.channels.empty()) {
         const std::vector<std::string> names = SplitChannels(o.channels);
-        image.image = image.image.Select(names);
-        reference.image = reference.image.Select(names);
+        image.image = image.image.Select(names, o.path + ":");
+        reference.image = reference.image.Select(names, o.reference + ":");
     }
-    CheckComparable(image, o.path, reference, o.reference, "; choose with --channels");
-    ApplyCrop(image, o.crop, o.path);
-    ApplyCrop(reference, o.crop, o.reference);
+    CropBoth(image, o.path, reference, o.reference, o.crop, "; choose with --channels");
 
     Image errors;
     size_t skipped = 0;
@@ -64,17 +72,15 @@ int Error(const ErrorOptions &o) {
     const Metric metric = ChosenMetric(o.metric);
     const std::vector<std::string> paths = FindImages(o.names, {o.reference, o.errorfile});
     const ImageFile whole = ReadAsFloat(o.reference);
-    ImageFile reference = whole;
-    ApplyCrop(reference, o.crop, o.reference);
-
+    ImageFile reference;
     double sum = 0, squares = 0;
     size_t skipped = 0;
     Image terms;
     std::vector<double> termSums;
     for (const std::string &path : paths) {
         ImageFile file = ReadAsFloat(path);
-        CheckComparable(file, path, whole, o.reference);
-        ApplyCrop(file, o.crop, path);
+        reference = whole;
+        CropBoth(file, path, reference, o.reference, o.crop);
         size_t skippedHere = 0;
         const double error = ImageError(file.image, reference.image, metric, &terms, &skippedHere);
         if (paths.size() > 1) fmt::print("{}: {:.6g}\n", path, error);

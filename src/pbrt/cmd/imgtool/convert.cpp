@@ -70,7 +70,7 @@ int Convert(const ConvertOptions &o) {
     Image &image = file.image;
     image = image.ConvertTo(PixelFormat::Float);
     ApplyCrop(file, o.crop, o.path);
-    if (!o.channels.empty()) image = image.Select(SplitChannels(o.channels));
+    if (!o.channels.empty()) image = image.Select(SplitChannels(o.channels), o.path + ":");
     const ColorSpace &space = SpaceOf(file);
     if (const Float scale = o.scale * std::exp2(o.exposure); scale != 1)
         MapColors(image, [&](Float v) { return v * scale; });

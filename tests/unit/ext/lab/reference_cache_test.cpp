@@ -3,8 +3,29 @@
 #include <cstring>
 
 #include "experiment_fixture.h"
+#include "ext/lab/sampler_run.h"
+#include "pbrt/images/metrics.h"
+#include "pbrt/samplers/sampler.h"
 
 namespace ext::lab {
+namespace {
+
+/// A visible light, and nothing else random than the film positions.
+std::string VisibleLight(const std::string &sampler) {
+    return SceneText()
+        .Head("Option 'disablewavelengthjitter' true")
+        .LookAt("0 3 -6  0 0 0  0 1 0")
+        .Camera(40)
+        .Film(32, 24, "'string filename' 'scene.exr'")
+        .Filter("box")
+        .Head("Sampler '" + sampler + "'")
+        .Integrator("path", 1)
+        .World(Objects().AreaLight("1 1 1").Sphere(1));
+}
+
+double Difference(const Image &a, const Image &b) { return ImageError(a, b, Metric::RelL2); }
+
+}  // namespace
 
 TEST_F(Experiment, ReferenceIsKeptInTheCacheAndFoundAgain) {
     const ExperimentOutcome first = Run(Settings("one", {"uniform"}));
@@ -100,6 +121,78 @@ TEST_F(Experiment, ReferencesOfStockThatContradictEachOtherProveNothing) {
     EXPECT_NE(outcome.text.find("prove no bias"), std::string::npos) << outcome.text;
 }
 
+TEST_F(Experiment, FilmPositionsOfPartsRunsAndBatchesDiffer) {
+    constexpr double kDiffer = 1e-5;
+    for (const std::string &type : Samplers().Names()) {
+        Write("scene.pbrt", VisibleLight(type));
+        ExperimentSettings settings = Settings("out-" + type, {"uniform"});
+        settings.cacheFolder = Path("cache-" + type);
+        settings.referenceSamples = 16;
+        settings.selectionWork = 0;
+        settings.views = false;
+        Run(settings);
+        const Image reference = ReadImage(ReferencesIn("cache-" + type).at(0).string()).image;
+        std::vector<Image> parts;
+        for (int part = 1; part <= 8; ++part) {
+            const auto channel = [&](char color) { return fmt::format("part{}.{}", part, color); };
+            parts.push_back(reference.Select({channel('R'), channel('G'), channel('B')}));
+            parts.back().RenameChannels({"R", "G", "B"});
+            for (int other = 0; other + 1 < part; ++other)
+                EXPECT_GT(Difference(parts[other], parts.back()), kDiffer) << type << other << part;
+        }
+        const auto run = [&](int seed) {
+            return ReadImage(Path(fmt::format("out-{}/uniform/seed{}.exr", type, seed))).image;
+        };
+        EXPECT_GT(Difference(run(0), run(1)), kDiffer) << type;
+
+        // A batch has four samples per pixel.
+        Progress progress;
+        const LabScene scene = LoadLabScene(settings, registry_, progress);
+        SamplerRun twoBatches(scene, settings.samplers[0], 0, 4, progress);
+        ASSERT_TRUE(twoBatches.Prepare() && twoBatches.RenderTo({4, 0}));
+        const Image one = twoBatches.Picture();
+        ASSERT_TRUE(twoBatches.RenderTo({8, 0}));
+        EXPECT_GT(Difference(one, twoBatches.Picture()), kDiffer) << type;
+    }
+}
+
+TEST_F(Experiment, NoiseOfAReferenceIsThatOfItsFilmPositions) {
+    for (const char *type : {"halton", "sobol", "independent"}) {
+        Write("scene.pbrt", VisibleLight(type));
+        const auto referenceOf = [&](int samples, double *noise) {
+            ExperimentSettings settings = Settings(fmt::format("{}-{}", type, samples), {"uniform"});
+            settings.referenceSamples = samples;
+            settings.selectionWork = 0;
+            settings.views = false;
+            *noise = Run(settings).results.at("references").at(0).at("noise").get<double>();
+            return ReadImage(settings.outFolder + "/reference-0.exr").image;
+        };
+        double noise = 0, little = 0;
+        const double error = Difference(referenceOf(16, &noise), referenceOf(1024, &little));
+        EXPECT_LT(error, 3 * noise) << type;
+        EXPECT_GT(error, noise / 30) << type;  // the parts of one sequence together are better than their noise
+        EXPECT_LT(little, noise / 8) << type;
+    }
+}
+
+TEST_F(Experiment, ContinuedPhotonMappingHasTheRadiusOfLaterIterations) {
+    for (const std::string integrator : {"path", "sppm"}) {
+        std::string text = ThreeLights();
+        text.replace(text.find("path"), 4, integrator);
+        Write("scene.pbrt", text);
+        const ExperimentSettings settings = Settings("out", {"uniform"});
+        Progress progress;
+        const LabScene scene = LoadLabScene(settings, registry_, progress);
+        const auto after = [&](int samples) {
+            SamplerRun run(scene, settings.samplers[0], 1, 2, progress);
+            run.ContinueAfter(samples);
+            EXPECT_TRUE(run.Prepare() && run.RenderTo({2, 0}));
+            return run.Picture();
+        };
+        EXPECT_EQ(Difference(after(0), after(100)) > 0, integrator == "sppm") << integrator;
+    }
+}
+
 TEST_F(Experiment, GivenReferenceIsUsedAsItIs) {
     Run(Settings("one", {"power"}));
     ExperimentSettings settings = Settings("two", {"uniform"});
@@ -107,6 +200,27 @@ TEST_F(Experiment, GivenReferenceIsUsedAsItIs) {
     EXPECT_EQ(Run(settings).results.at("references").size(), 1u);
     ExpectSamePixels(Path("one/reference-0.exr"), Path("two/reference-0.exr"));
     EXPECT_FALSE(fs::exists(folder_ / "two/records/pilot.json"));
+}
+
+TEST_F(Experiment, ReferencesOfOtherScenesAndSettingsAreErrors) {
+    Run(Settings("one", {"power"}));
+    ExperimentSettings settings = Settings("two", {"uniform"});
+    settings.referenceFile = Path("one/reference-0.exr");
+    settings.maxDepth = 7;
+    ExpectError([&] { Run(settings); }, {"one/reference-0.exr", "pbrt.maxDepth 2", "has 7"});
+    settings.maxDepth = {};
+    settings.sampledLightOnly = true;
+    ExpectError([&] { Run(settings); }, {"one/reference-0.exr", "lightlab.sampledLight 0", "has 1"});
+    settings.sampledLightOnly = false;
+    Write("scene.pbrt", ThreeLights() + std::string(Objects().Sphere(0.2)));
+    ExpectError([&] { Run(settings); }, {"one/reference-0.exr", "lightlab.sceneHash "});
+    // Other programs do not say.
+    WriteImage(settings.referenceFile, ReadImage(settings.referenceFile).image);
+    Run(settings);
+    settings.referenceFile = Path("grey.pfm");
+    WriteImage(settings.referenceFile, Image(PixelFormat::Float, {32, 24}, {"Y"}));
+    settings.outFolder = Path("grey");
+    ExpectError([&] { Run(settings); }, {"grey.pfm: has no channel \"R\""});
 }
 
 }  // namespace ext::lab

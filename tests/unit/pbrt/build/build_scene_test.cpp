@@ -59,6 +59,37 @@ TEST(BuildScene, TakesSeedAndJitterFromTheSceneUnlessFlagsSaySo) {
     EXPECT_EQ(built.Settings().samplesPerPixel, 3);
 }
 
+TEST(BuildScene, UnknownNamesAreErrorsAlsoWhereNothingIsBuiltFromThem) {
+    const struct {
+        const char *options, *world, *message;
+    } kCases[] = {{"Film 'rgbb'", "", "Film 'rgbb' is unknown; did you mean 'rgb'"},
+                  {"Film 'rgb' 'integer xresolutions' 4", "", "'integer xresolutions': unused parameter of Film 'rgb'"},
+                  {"Integrator 'pth' Integrator 'path'", "", "Integrator 'pth' is unknown"},
+                  {"Integrator 'path' 'integer depth' 1 Integrator 'path'", "", "'integer depth': unused parameter"},
+                  {"Camera 'perspectiv' Camera 'perspective'", "", "Camera 'perspectiv' is unknown"},
+                  {"Sampler 'halten' Sampler 'halton'", "", "Sampler 'halten' is unknown"},
+                  {"PixelFilter 'bux' PixelFilter 'box'", "", "PixelFilter 'bux' is unknown"},
+                  {"Accelerator 'bhv' Accelerator 'bvh'", "", "Accelerator 'bhv' is unknown"},
+                  {"", "Attribute 'shape' 'float raduis' 3", "unused parameter of Attribute 'shape'; did you mean 'radius'"},
+                  {"", "Attribute 'shape' 'integer radius' 3", "Attribute 'shape' takes 'float radius'"},
+                  {"", "Attribute 'material' 'rgb reflectanse' [ 1 0 0 ]", "did you mean 'reflectance'"},
+                  {"", "Attribute 'light' 'float foo' 3", "'float foo': unused parameter of Attribute 'light'"}};
+    for (const auto &[options, world, message] : kCases) {
+        const Outcome outcome = Try(Text(options, std::string(kLamp) + Quoted(world)));
+        EXPECT_FALSE(outcome.isBuilt) << message;
+        EXPECT_EQ(outcome.Count(Quoted(message)), 1) << message;
+        EXPECT_EQ(outcome.diagnostics.size(), 1u) << message;
+    }
+    const Outcome valid = Try(Text("Film 'gbuffer' Integrator 'function' Integrator 'path' 'float octree.budget' 0.1 "
+                                   "Integrator 'path'",
+                                   std::string(kLamp) +
+                                       "Attribute 'shape' 'float alpha' 1 'float radius' 2 Attribute 'light' 'float "
+                                       "scale' 2 'bool twosided' true Attribute 'material' 'string type' 'diffuse' "
+                                       "Attribute 'texture' 'float uscale' 2 Attribute 'medium' 'float g' 0.1"));
+    EXPECT_TRUE(valid.isBuilt);
+    EXPECT_EQ(valid.Count("unused"), 0);
+}
+
 TEST(BuildScene, PreparationNamesTheScenesOwnParts) {
     const BuiltScene built =
         BuildText(Text("Integrator 'path' 'integer maxdepth' 7 Sampler 'independent' 'integer pixelsamples' 12 "

@@ -70,13 +70,20 @@ TEST_F(BrokenImage, AnEarlyEndIsAnErrorInEveryFormat) {
         for (double part : {0.02, 0.2, 0.5, 0.8, 0.9}) {
             const std::string path =
                 Write(std::string("cut_") + name, whole.substr(0, size_t(part * double(whole.size()))));
-            ExpectWords(ReadError(path), {path});
+            // libpng would write a line of its own.
+            EXPECT_EQ(StderrOf([&] { ExpectWords(ReadError(path), {path}); }), "") << name;
         }
     }
     WriteImage(Path("a.pfm"), NoiseImage(PixelFormat::Float, {16, 8}, kRgb));
     const std::string whole = ReadFileContents(Path("a.pfm"));
     for (size_t size : {size_t(3), size_t(9), whole.size() - 1})
         ExpectWords(ReadError(Write("cut.pfm", whole.substr(0, size))), {"cut.pfm"});
+}
+
+TEST_F(BrokenImage, EveryErrorHasAReason) {
+    // OpenImageIO gives none for these.
+    for (const char *content : {"P6\n2 2\n255\nabc", "P3\n2 2\n255\n1 2 3 4 5", "P5\n2 2\n70000\nabcd"})
+        ExpectWords(ReadError(Write("short.ppm", content)), {"short.ppm", "damaged or cut off"});
 }
 
 TEST_F(BrokenImage, SizesAreCheckedBeforeMemoryIsAllocated) {

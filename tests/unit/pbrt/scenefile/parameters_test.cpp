@@ -51,10 +51,12 @@ TEST(Parameters, DeclarationsMayHaveBlanksAndTrailingWords) {
     }
 }
 
-TEST(Parameters, RepeatedOnesAreKeptAndTheLastWins) {
-    SceneDescription scene = ParseWorld("Shape 's' 'float r' 1 'float r' 2");
-    EXPECT_EQ(scene.shapes[0].params.Own().size(), 2u);
-    EXPECT_EQ(FloatOf(scene.shapes[0].params, "r", 0), 2);
+TEST(Parameters, RepeatedOnesAreKeptAndTheLastWinsWithAWarning) {
+    const Parsed parsed = Parse("WorldBegin\nShape 's' 'float r' 1 'integer r' 3\n 'float r' 2");
+    ExpectMessages(parsed.sink, {{Severity::Warning, 3, 1, "'float r' replaces the one given at test.pbrt:2:10"}}, "");
+    const ParamSet &params = parsed.scene.shapes[0].params;
+    EXPECT_EQ(params.Own().size(), 3u);
+    EXPECT_EQ(FloatOf(params, "r", 0), 2);
 }
 
 TEST(Parameters, LocationIsThatOfTheDeclaration) {

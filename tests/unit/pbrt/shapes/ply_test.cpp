@@ -139,6 +139,9 @@ TEST(Ply, MistakesAreNamedWithTheirPlace) {
         const char *from, *to;
         std::vector<std::string> words;
     } kMistakes[] = {{"ascii", "asci", {"line 2"}},
+                     {"ascii 1.0", "ascii 2.0", {"line 2", "version 2.0"}},
+                     {"ascii 1.0\n", "ascii 1.0\nformat ascii 1.0\n", {"line 3", "twice"}},
+                     {"3 0 1 2 7", "-3 0 1 2 7", {"face 0", "\"vertex_indices\" has the length -3"}},
                      {"double s", "quad s", {"unknown type \"quad\""}},
                      {"end_header", "the_end", {"unknown header keyword"}},
                      {"float y", "float why", {"x, y and z"}},
@@ -164,6 +167,21 @@ TEST(Ply, AnElementThatComesTwiceIsAnError) {
         "property float y\nproperty float z\nelement face 1\nproperty list uchar int vertex_indices\nend_header\n"
         "0 0 0 0 0 1\n1 0 0 0 0 1\n0 1 0 0 0 1\n0 0 0\n1 0 0\n0 1 0\n1 1 0\n3 1 2 3\n";
     ExpectWords(PlyError(twice), {"line 10: element \"vertex\" is declared twice"});
+}
+
+TEST(Ply, SkippedListsHaveALength) {
+    const std::string text =
+        "ply\nformat ascii 1.0\nelement vertex 3\nproperty float x\nproperty float y\nproperty float z\n"
+        "element face 1\nproperty list char int vertex_indices\nproperty list char int more\nend_header\n"
+        "0 0 0\n1 0 0\n0 1 0\n3 0 1 2 ";
+    EXPECT_EQ(PlyError(text + "1 5"), "");
+    ExpectWords(PlyError(text + "-1"), {"\"more\" has the length -1"});
+}
+
+TEST(Ply, BytesAfterTheLastElementAreCounted) {
+    EXPECT_EQ(ParsePly(Ascii() + " \r\n\n", "a.ply").surplusBytes, 0u);
+    EXPECT_EQ(ParsePly(Ascii() + "1 2\n", "a.ply").surplusBytes, 4u);
+    EXPECT_EQ(ParsePly(Binary(true) + std::string(3, '\0'), "b.ply").surplusBytes, 3u);
 }
 
 TEST(Ply, EveryTruncationIsAnError) {

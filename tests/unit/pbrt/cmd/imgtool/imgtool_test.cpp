@@ -217,6 +217,15 @@ TEST_F(Imgtool, CropsCountInPixelsOfTheWholePicture) {
     EXPECT_EQ(Run("diff tr.exr --reference other.exr --crop 9,10,2,3").status, 1);
     EXPECT_TRUE(Has(Run("error other.exr --reference tr.exr --metric MAE --crop 9,10,2,3").out, "MAE: mean 69.6667"));
     EXPECT_EQ(Written("splitn tr.exr other.exr --crop 9,2 --cropsize 1 --outfile s.exr").image.Get({0, 9}, 0), 209);
+    // A part is compared with the whole, if the file says where it lies.
+    const Image whole = RgbImage({16, 12}, [](int x, int y) { return Rgb(x + 100 * y, 0, 0); });
+    for (const char *name : {"whole.exr", "whole.pfm"}) WriteImage(Path(name), whole);
+    EXPECT_EQ(Run("diff tr.exr --reference whole.exr --crop 9,12,1,4").status, 0);
+    EXPECT_EQ(Run("diff other.exr --reference whole.exr --crop 9,12,1,4").status, 1);
+    EXPECT_TRUE(Has(Run("error other.exr --reference whole.exr --metric MAE --crop 9,10,2,3").out, "mean 69.6667"));
+    ExpectErrors({{"diff tr.exr --reference whole.exr", "Different resolutions"},
+                  {"diff tr.exr --reference whole.pfm --crop 0,4,0,3", "Different resolutions"},
+                  {"diff tr.exr --reference whole.exr --crop 0,4,0,3", "x 8 to 16"}});
     ImageMetadata elsewhere = part.metadata;
     elsewhere.pixelBounds = Bounds2i{{0, 1}, {8, 6}};
     WriteImage(Path("left.exr"), part.image, elsewhere);

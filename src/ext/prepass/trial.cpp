@@ -16,7 +16,7 @@ namespace {
 constexpr int kGroup = 8;  ///< samples of a pixel, twice
 constexpr double kShare = 0.015, kMaxShare = 0.03;
 constexpr double kMinPixels = 256, kMaxPixels = 4096;
-constexpr uint64_t kStream = 0x747269616c;
+constexpr uint64_t kTrialStream = 0x747269616c;
 
 /// `samplers`: two of the render's kind, with seeds of their own. Their means over kGroup samples, which are as well
 /// distributed as the render's, give the variance.
@@ -60,7 +60,7 @@ std::vector<TrialPixel> TraceTrial(const PrepareContext &context) {
     context.progress.BeginPhase("trial", int64_t(result.size()));
     ParallelForEach(int64_t(result.size()) / TrialPixel::kPerBlock, [&](int64_t b) {
         std::array<std::unique_ptr<Sampler>, 2> samplers;
-        for (size_t k = 0; k < 2; ++k) samplers[k] = context.sampler.WithSeed(int(Hash(kStream, context.seed, k)));
+        for (size_t k = 0; k < 2; ++k) samplers[k] = context.sampler.WithSeed(int(Hash(kTrialStream, context.seed, k)));
         const Point2i block(int(b % blocks.x), int(b / blocks.x));
         for (int i = 0; i < TrialPixel::kPerBlock && !context.progress.Cancelled(); ++i) {
             const Point2i pixel = bounds.low + (2 * block + Point2i(i % 2, i / 2)) * step + step / 2;

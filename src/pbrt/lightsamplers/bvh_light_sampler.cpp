@@ -7,6 +7,7 @@
 #include <nlohmann/json.hpp>
 
 #include "pbrt/core/error.h"
+#include "pbrt/math/lanes.h"
 #include "pbrt/math/simd_ops.h"
 
 namespace pbrt {
@@ -158,7 +159,13 @@ LightBvhNode LightBvhBlock::Node(uint32_t lane) const {
 [[gnu::noinline]] void LightBvhBlock::Importances(const Point3 &p, const Normal3 &n, Float out[kLanes]) const {
     using Ops = SimdOps<kLanes>;
     using F = Ops::F;
-    auto cosine = [](const uint16_t *codes) { return Ops::Load(codes) * F(2 / kSteps) - F(1); };
+    auto cosine = [](const uint16_t *q) {
+        const auto codes = LoadLanes<LanesOf<uint16_t, kLanes>>(q);
+        const auto numbers = __builtin_convertvector(codes, LanesOf<int32_t, kLanes>);
+        alignas(F) Float v[kLanes];
+        StoreLanes(__builtin_convertvector(numbers, LanesOf<Float, kLanes>), v);
+        return Ops::LoadAligned(v) * F(2 / kSteps) - F(1);
+    };
     auto withSign = [](const F &size, const F &sign) { return Ops::Select(sign < F(0), -size, size); };
 
     const F u = cosine(axisU), v = cosine(axisV);

@@ -16,6 +16,16 @@ using FloatLanes = float __attribute__((vector_size(32)));    ///< 8 lanes
 using DoubleLanes = double __attribute__((vector_size(32)));  ///< 4 lanes
 inline constexpr int Lanes64Count = 4, Lanes32Count = 8;
 
+namespace detail {
+template <class T, int N>
+struct LanesOf {
+    typedef T Type __attribute__((vector_size(N * sizeof(T))));  // `using` ignores the attribute
+};
+}  // namespace detail
+/// N lanes, a power of two.
+template <class T, int N>
+using LanesOf = typename detail::LanesOf<T, N>::Type;
+
 template <class Lanes, class T>
 inline Lanes LoadLanes(const T *from) {
     Lanes v;

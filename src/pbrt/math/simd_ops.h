@@ -1,6 +1,4 @@
 #pragma once
-#include <cstdint>
-#include <cstring>
 #include <experimental/simd>
 
 #include "pbrt/math/vec.h"
@@ -16,17 +14,6 @@ struct SimdOps {
     /// Aligned: to sizeof(F).
     [[gnu::always_inline]] static F LoadAligned(const Float *v) { return F(v, std::experimental::vector_aligned); }
     [[gnu::always_inline]] static F Load(const Float *v) { return F(v, std::experimental::element_aligned); }
-    [[gnu::always_inline]] static F Load(const uint16_t *v) {
-        using Integers16 = uint16_t __attribute__((vector_size(2 * N)));
-        using Integers32 = int32_t __attribute__((vector_size(4 * N)));
-        using Floats = Float __attribute__((vector_size(4 * N)));
-        Integers16 integers;
-        std::memcpy(&integers, v, sizeof integers);
-        const Floats floats = __builtin_convertvector(__builtin_convertvector(integers, Integers32), Floats);
-        alignas(F) Float values[N];
-        std::memcpy(values, &floats, sizeof values);
-        return LoadAligned(values);
-    }
     [[gnu::always_inline]] static void StoreAligned(const F &v, Float *to) {
         v.copy_to(to, std::experimental::vector_aligned);
     }

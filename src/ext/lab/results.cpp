@@ -240,8 +240,8 @@ ExperimentResults Summarize(const ExperimentSettings &settings, const References
     CompareSamplers(results.samplers);
     for (const SamplerResult &s : results.samplers)
         results.contenders.push_back({s.choice.label, ErrorsOf(s.runs, Measure::RelL2),
-                                      ErrorsOf(s.runs, Measure::RelL2Trimmed), s.bias.verdict, s.choice.traits.isInstrument,
-                                      s.firefliesDecide, s.speedUp, s.speedUpAgainst});
+                                      ErrorsOf(s.runs, Measure::RelL2Trimmed), s.bias.verdict,
+                                      s.choice.traits.isInstrument, s.firefliesDecide, s.speedUp, s.speedUpAgainst});
     results.conclusion = Conclude(results.contenders, references.doubts,
                                   RemarksOn(settings, references, results.samplers), settings.Timed());
     return results;

@@ -218,15 +218,15 @@ double EffectivePaths(std::span<const VertexFinding> region) { return SumUp(regi
 namespace {
 
 std::string TextOf(const SelectionReport &report) {
-    std::string text = fmt::format("at {} path vertices light selection deviates by {:+.2g} +- {:.1g} %", report.vertices,
-                              100 * report.difference, 100 * report.standardError);
+    std::string text = fmt::format("at {} path vertices light selection deviates by {:+.2g} +- {:.1g} %",
+                                   report.vertices, 100 * report.difference, 100 * report.standardError);
     if (report.worstRegion >= 0)
-        text += fmt::format(", by {:+.2g} % in row {}, column {} of {} x {} regions",
-                                   100 * report.worstDifference, report.worstRegion / kSelectionSide + 1,
-                                   report.worstRegion % kSelectionSide + 1, kSelectionSide, kSelectionSide);
+        text += fmt::format(", by {:+.2g} % in row {}, column {} of {} x {} regions", 100 * report.worstDifference,
+                            report.worstRegion / kSelectionSide + 1, report.worstRegion % kSelectionSide + 1,
+                            kSelectionSide, kSelectionSide);
     if (std::isfinite(report.visibleSixteenth))
         text += fmt::format("; detectable: {} in the whole image, {} in a sixteenth",
-                                   RoundedPercent(report.visibleImage), RoundedPercent(report.visibleSixteenth));
+                            RoundedPercent(report.visibleImage), RoundedPercent(report.visibleSixteenth));
     else text += "; too few of them receive light for a detection limit";
     return text;
 }

@@ -95,7 +95,7 @@ class SelectionVertices {
 /// Settings of the check for light lost or added by a light sampler at the vertices of this scene's paths. More
 /// sensitive than images, which also contain the noise of the paths. Method: selection_check.cpp.
 struct SelectionSettings {
-    BiasSettings bias;      ///< the check ends when a bias of size `interest` would be detected in half of the regions
+    BiasSettings bias;     ///< the check ends when a bias of size `interest` would be detected in half of the regions
     double maxWork = 1e8;  ///< maximum draws per round (0.05 to 1 us each)
     int seed = 0;
 };

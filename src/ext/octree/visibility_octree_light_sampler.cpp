@@ -91,7 +91,8 @@ std::optional<GroupLightSampler::ChosenGroup> VisibilityOctreeLightSampler::Choo
     if (!chosen) return {};
     const Float pmf = chosen.weight;
     const Float inner = LightGroups::InnerNumber(u, query.p, (chosen.before + pmf) - pmf, pmf);
-    if (chosen.index >= c.localCount) return ChosenGroup{portals_.GroupOf(chosen.index - c.localCount), pmf, inner, 0, 0};
+    if (chosen.index >= c.localCount)
+        return ChosenGroup{portals_.GroupOf(chosen.index - c.localCount), pmf, inner, 0, 0};
     const auto group = [&](uint32_t g, Float probability, Float number, Float unoccluded) {
         return ChosenGroup{g, probability, number, unoccluded, unoccluded / (c.localG * probability)};
     };

@@ -16,7 +16,8 @@ class RecordedPaths {
   public:
     RecordedPaths() = default;
     /// Uses the smallest stride that gives at most `limit` paths; at least one pixel per row.
-    RecordedPaths(const Bounds2i &pixels, int first, int end, size_t limit) : pixels_(pixels), first_(first), end_(end) {
+    RecordedPaths(const Bounds2i &pixels, int first, int end, size_t limit)
+        : pixels_(pixels), first_(first), end_(end) {
         const Vector2i size = pixels.IsEmpty() ? Vector2i(0) : pixels.high - pixels.low;
         for (stride_ = 1;; ++stride_) {
             perRow_ = (size.x + stride_ - 1) / stride_;

@@ -47,8 +47,8 @@ void LightTable::Finish(const Point3 &sceneCenter, Float sceneRadius) {
     }
     if (maxPower > 0) {
         const double radius = sceneRadius > 0 ? double(sceneRadius) : 1;
-        unit_ = std::exp2(
-            std::round(std::log2(std::max(minPower, kMinShare * maxPower)) / 2 + std::log2(maxPower) / 2 - std::log2(radius)));
+        unit_ = std::exp2(std::round(std::log2(std::max(minPower, kMinShare * maxPower)) / 2 + std::log2(maxPower) / 2 -
+                                     std::log2(radius)));
     }
     power_.resize(Size());
     for (uint32_t i = 0; i < Size(); ++i)

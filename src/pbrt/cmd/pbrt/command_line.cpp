@@ -131,13 +131,12 @@ void AddAllFlags(CLI::App &app, const PluginRegistry &registry, CommandLine &o, 
          Flag("--pixelbounds", raw.bounds, "render only x0,x1,y0,y1, in pixels").Count(4).Type("x0,x1,y0,y1"),
          Flag("--pixel", raw.pixel, "render only the pixel x,y").Count(2).Type("x,y"),
          {"--outfile", build.film.filename, "image to write (.exr, .png, .pfm); overrides the scene's film filename"},
-         Flag(
-             "--aov", build.film.aovs,
-             fmt::format(
-                 "auxiliary channels, mostly of the first visible surface, added to the image of any film, separated "
-                 "by commas: {}; denoisers read these names",
-                 fmt::join(AovNames(), ", ")),
-             CLI::IsMember(AovNames()))
+         Flag("--aov", build.film.aovs,
+              fmt::format(
+                  "auxiliary channels, mostly of the first visible surface, added to the image of any film, separated "
+                  "by commas: {}; denoisers read these names",
+                  fmt::join(AovNames(), ", ")),
+              CLI::IsMember(AovNames()))
              .Type("NAME,..."),
          {"--write-partial-images", o.writePartialImages, "write the image after every wave of samples"},
          {"--mse-reference-image", build.mseReferenceImage, "compare with this image after every wave"},
@@ -243,15 +242,16 @@ std::optional<int> ParseCommandLine(int argc, const char *const *argv, const Plu
     o.text = JoinArguments(argc, argv);
 
     CLI::App app(
-        fmt::format("Renders pbrt-v4 scene files. An independent renderer compatible with pbrt-v4 scenes, made for\n"
-                    "choosing the right light at every shading point.\n\n"
-                    "  pbrt scene.pbrt                              with the settings of the scene\n"
-                    "  pbrt --quick --spp 16 scene.pbrt             a small image, quickly\n"
-                    "{}\n"
-                    "Ctrl-C, SIGTERM and SIGHUP save what was rendered and end with status 130, 143 and 129; a second\n"
-                    "one ends at once. A file that holds more samples of the same scene is kept: the interrupted image\n"
-                    "is then written beside it, as out-unfinished.exr.",
-                    LightSamplerExamples(registry)),
+        fmt::format(
+            "Renders pbrt-v4 scene files. An independent renderer compatible with pbrt-v4 scenes, made for\n"
+            "choosing the right light at every shading point.\n\n"
+            "  pbrt scene.pbrt                              with the settings of the scene\n"
+            "  pbrt --quick --spp 16 scene.pbrt             a small image, quickly\n"
+            "{}\n"
+            "Ctrl-C, SIGTERM and SIGHUP save what was rendered and end with status 130, 143 and 129; a second\n"
+            "one ends at once. A file that holds more samples of the same scene is kept: the interrupted image\n"
+            "is then written beside it, as out-unfinished.exr.",
+            LightSamplerExamples(registry)),
         "pbrt");
     app.footer(
         "A light sampler is written name[:key=value,...][+mesh][+guide[:key=value,...]]: +mesh takes every emissive\n"

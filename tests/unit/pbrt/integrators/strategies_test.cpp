@@ -149,8 +149,7 @@ TEST(StrategyImages, AreTheSameForAnyNumberOfThreads) {
     const Rendered other = RenderText(Bdpt(kSmoke, 4, 4));
     ASSERT_EQ(expected.sideImages.size(), other.sideImages.size());
     for (size_t i = 0; i < other.sideImages.size(); ++i)
-        EXPECT_TRUE(SameBits(expected.sideImages[i].second, other.sideImages[i].second))
-            << other.sideImages[i].first;
+        EXPECT_TRUE(SameBits(expected.sideImages[i].second, other.sideImages[i].second)) << other.sideImages[i].first;
     EXPECT_TRUE(SameBits(expected.image, other.image));
 }
 

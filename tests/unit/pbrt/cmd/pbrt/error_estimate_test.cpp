@@ -20,7 +20,7 @@ class GrowingPicture {
         for (; taken_ < samples; ++taken_)
             for (size_t i = 0; i < sums_.size(); ++i) sums_[i] += Mean(i) * one(random_);
         LiveImage picture{Image(PixelFormat::Float, {kSide, kSide}, {"R", "G", "B"}), LiveImage::State::Growing,
-                            samples, ++version_};
+                          samples, ++version_};
         auto *values = static_cast<float *>(picture.colors.Data());
         for (size_t i = 0; i < sums_.size(); ++i) values[i] = static_cast<float>(sums_[i] / taken_);
         return std::make_shared<const LiveImage>(std::move(picture));

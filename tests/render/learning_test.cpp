@@ -83,7 +83,7 @@ TEST(LearningWhileRendering, AnyThreadsAndAnySplitGiveTheSamePicture) {
     CheckThreadsAndSplits(Build, {"'bool octree.learn' false"});
 }
 
-TEST(LearningWhileRendering, AnyThreadsAndAnySplitGiveTheSamePictureThroughAWindow) {
+TEST(LearningWhileRendering, AnyThreadsAndAnySplitGiveTheSamePictureThroughAPortal) {
     CheckThreadsAndSplits(BuildRoom, {"'string octree.portals' 'never'"});
     // Prepared again, it finds the same.
     BuiltScene built = BuildRoom();
@@ -93,7 +93,7 @@ TEST(LearningWhileRendering, AnyThreadsAndAnySplitGiveTheSamePictureThroughAWind
 
 /// A sky that is seen well, or where paths bounce not badly, stays whole, and then nothing is chosen: the picture is
 /// bvh's.
-TEST(OpenSky, StaysWholeAndGivesThePictureOfBvh) {
+TEST(PortalsOfAnOpenScene, AreNotUsedAndTheImageIsThatOfBvh) {
     const std::string always = "'string octree.portals' 'always'";
     for (const auto &[world, parameters, least, most, staysWhole] :
          {std::tuple{OpenField(), std::string(), 1.0, 1.0, true},
@@ -158,8 +158,8 @@ void CheckTakingUp(const Maker &make) {
     }
 }
 
-TEST(LearningWhileRendering, ARunThatIsTakenUpAgainLearnsTheSame) { CheckTakingUp(Build); }
-TEST(LearningWhileRendering, ARunThatIsTakenUpAgainFindsTheSameWindow) { CheckTakingUp(BuildRoom); }
+TEST(LearningWhileRendering, AResumedRunLearnsTheSame) { CheckTakingUp(Build); }
+TEST(LearningWhileRendering, AResumedRunDetectsTheSamePortal) { CheckTakingUp(BuildRoom); }
 
 /// A render that stopped somewhere: film, position, and what was learned.
 struct Stopped {
@@ -247,13 +247,13 @@ void CheckSavedState(const Maker &make) {
     EXPECT_GT(compared, 0);
 }
 
-TEST(LearningWhileRendering, ASavedStateGoesOnBitByBit) { CheckSavedState(Build); }
-TEST(LearningWhileRendering, ASavedStateGoesOnBitByBitThroughAWindow) { CheckSavedState(BuildRoom); }
-TEST(LearningWhileRendering, ASavedStateGoesOnBitByBitWithThePapersModel) {
+TEST(LearningWhileRendering, ASavedStateContinuesBitByBit) { CheckSavedState(Build); }
+TEST(LearningWhileRendering, ASavedStateContinuesBitByBitThroughAPortal) { CheckSavedState(BuildRoom); }
+TEST(LearningWhileRendering, ASavedStateContinuesBitByBitWithThePapersModel) {
     CheckSavedState([](const std::string &parameters) { return Build("'string octree.model' 'paper' " + parameters); });
 }
 
-TEST(LearningWhileRendering, DamagedStatesAreRefused) {
+TEST(LearningWhileRendering, DamagedStatesThrow) {
     for (const Maker &make : {Maker(Build), Maker(BuildRoom)}) {
         BuiltScene built = make("");
         Progress progress;
@@ -284,7 +284,7 @@ std::vector<LightQuery> Floor() {
     return queries;
 }
 
-TEST(LearningWhileRendering, LampsBehindTheWallAreHardlyChosen) {
+TEST(LearningWhileRendering, LightsBehindTheWallAreHardlyChosen) {
     auto hidden = [](const LightSampler &lights) {
         Float sum = 0;
         for (const LightQuery &q : Floor())

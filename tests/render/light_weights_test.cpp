@@ -156,11 +156,11 @@ class LightWeights : public testing::TestWithParam<Case> {
     }
 };
 
-TEST_P(LightWeights, LinesAreFoundBesideWhiteLight) { ExpectSame(Here(kLines), Reference(kLines), Bias()); }
-TEST_P(LightWeights, LinesAreFoundByAFilmOfTheirRange) { ExpectSame(Here(kInfrared), Reference(kInfrared), Bias()); }
+TEST_P(LightWeights, LinesAreSampledBesideWhiteLight) { ExpectSame(Here(kLines), Reference(kLines), Bias()); }
+TEST_P(LightWeights, LinesAreSampledForAFilmOfTheirRange) { ExpectSame(Here(kInfrared), Reference(kInfrared), Bias()); }
 TEST_P(LightWeights, StrongRadianceIsTheSamePicture) { ExpectSame(Here(kColours, 1e25), Reference(kColours), Bias()); }
 TEST_P(LightWeights, WeakRadianceIsTheSamePicture) { ExpectSame(Here(kColours, 1e-25), Reference(kColours), Bias()); }
-TEST_P(LightWeights, ASunOfRealSizeLeavesLampsTheirLight) {
+TEST_P(LightWeights, ASunOfRealSizeLeavesLocalLightsTheirShare) {
     const Case &c = GetParam();
     if (c.integrator != "path" && c.integrator != "volpath") GTEST_SKIP() << "light paths start at the sun";
     if (c.sampler == "power" || c.sampler == "seen") GTEST_SKIP() << "the sun has all of the power";

@@ -228,7 +228,7 @@ TEST(EmittersOfTheSuite, AreTheReferencesWithEveryLightSampler) {
     }
 }
 
-TEST(Emitters, CurvesAreRefused) {
+TEST(Emitters, CurvesAreErrors) {
     const std::string text =
         EmitterScene({"curve", "AreaLightSource 'diffuse' Shape 'curve' 'point3 P' [ 0 0 0  1 0 0  1 1 0  0 1 0 ]"});
     ExpectError([&] { BuildText(text); }, {"curve", "area light"});

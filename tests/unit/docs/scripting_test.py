@@ -89,7 +89,7 @@ class Scripting(unittest.TestCase):
                     self.assertTrue(target.get("description", "").strip(), f"{name}: {key}")
                 self.assertIs(described.get("additionalProperties", None), False, f"{name}: other keys are allowed")
 
-    def test_files_are_where_they_are_said_to_be(self):
+    def test_files_are_in_the_documented_places(self):
         for sampler in self.results["samplers"]:
             for key in ("picture", "pictureRange", "errorPicture"):
                 self.assertTrue((self.path.parent / sampler[key]).is_file(), sampler[key])

@@ -287,7 +287,7 @@ GuideRecord UnderLamps(const Point3 &p, std::span<const Point3> lamps, Float rad
 }
 
 /// Two rooms, x < 0 and x > 0, with a lamp in each behind a wall that hides it from the other room.
-TEST(GuideCells, GuideToWhatTheySee) {
+TEST(GuideCells, GuideTowardsTheLight) {
     const Point3 lamps[] = {{-1, 0, 1}, {1, 0, 1}};
     constexpr Float kRadius = 0.15f;
     Rng rng(21);
@@ -320,7 +320,7 @@ TEST(GuideCells, GuideToWhatTheySee) {
 }
 
 /// More lamps than a few balls could tell apart, all seen from everywhere.
-TEST(GuideCells, GuideToManyLamps) {
+TEST(GuideCells, GuideTowardsManyLights) {
     constexpr int kSide = 6;
     std::vector<Point3> lamps;
     for (int i = 0; i < kSide * kSide; ++i)
@@ -346,7 +346,7 @@ TEST(GuideCells, GuideToManyLamps) {
 
 /// A lamp that fewer bounces find than there are cells has nearly all of the second moment: cells that have not found
 /// it yet know of it from those above.
-TEST(GuideCells, GuideToWhatIsRarelyFound) {
+TEST(GuideCells, GuideTowardsRareContributions) {
     const Point3 lamp(0, 0, 1);
     constexpr Float kRadius = 0.03f;
     Rng rng(5);
@@ -369,7 +369,7 @@ TEST(GuideCells, GuideToWhatIsRarelyFound) {
     EXPECT_GE(guiding, kPlaces * 19 / 20);
 }
 
-TEST(PathGuide, ASavedStateIsLoadedBitByBitAndADamagedOneRefused) {
+TEST(PathGuide, ASavedStateIsLoadedBitByBitAndADamagedOneThrows) {
     BuiltScene built = BuildText(SceneText().World(kBall));
     Progress progress;
     const auto load = [&](const std::string &bytes, PathGuide &guide) {

@@ -31,7 +31,7 @@ struct Built {
     }
 };
 
-TEST(PointTree, FindsEveryPlaceInItsLeaf) {
+TEST(PointTree, EveryPlaceIsInItsLeaf) {
     Rng rng(5);
     Built built;
     built.tree.Begin(2);
@@ -64,7 +64,7 @@ TEST(PointTree, DoesNotDivideWhatLiesInOnePoint) {
     EXPECT_EQ(built.tree.Nodes().size(), 1);
 }
 
-TEST(PointTree, RefusesADamagedOne) {
+TEST(PointTree, ADamagedOneIsInvalid) {
     Rng rng(6);
     Built built;
     built.tree.Begin(1);

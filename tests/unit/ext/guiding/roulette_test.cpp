@@ -61,7 +61,7 @@ TEST(PathRoulette, FollowsTheFormula) {
     EXPECT_EQ(SurvivalAt(roulette, p, kDown, importance), 0);
 }
 
-TEST(PathRoulette, PathsGoOnWhereLightIsFoundRarely) {
+TEST(PathRoulette, PathsContinueWhereContributionsAreRare) {
     const PathRoulette roulette =
         LearnedRoulette([](const Point3 &p, Float u) { return p.x > 0 ? (u < 0.1f ? 10.f : 0) : 0.1f; }, EvenImage);
     // The means are 1 and 0.1, the roots of the second moments 3.2 and 0.1.
@@ -71,7 +71,7 @@ TEST(PathRoulette, PathsGoOnWhereLightIsFoundRarely) {
     EXPECT_EQ(SurvivalAt(roulette, {-0.5f, 0, 0}, kUp, importance), PathRoulette::kMinContinuation);
 }
 
-TEST(PathRoulette, PathsOfDarkPixelsGoOnLonger) {
+TEST(PathRoulette, PathsOfDarkPixelsContinueLonger) {
     const PathRoulette roulette = LearnedRoulette([](const Point3 &, Float) { return 0.75f; },
                                                   [](Point2i pixel) { return pixel.x < kSide / 2 ? 0.5f : 1.5f; });
     EXPECT_GT(SurvivalAt(roulette, {0, 0, 0}, kUp, 0.7f * roulette.PixelImportance({2, 30})),
@@ -111,7 +111,7 @@ TEST(PathRoulette, NoiseThatAPixelSamplerEvensOutMakesNoPathEnd) {
     EXPECT_GT(WorthOf(even), 4 * WorthOf(uneven));
 }
 
-TEST(PathRoulette, KnowsNothingIfNothingWasFound) {
+TEST(PathRoulette, HasNoEstimatesWithoutContributions) {
     EXPECT_FALSE(
         LearnedRoulette([](const Point3 &, Float) { return 0.f; }, [](Point2i) { return 0.f; }).HasEstimates());
 }
@@ -126,7 +126,7 @@ TEST(PathRoulette, SidesAndGlossyPlacesAreApart) {
     for (uint32_t k = 0; k < PathRoulette::kKinds; ++k) EXPECT_EQ(kinds[k], k);
 }
 
-TEST(PathRoulette, ASavedStateIsLoadedBitByBitAndADamagedOneRefused) {
+TEST(PathRoulette, ASavedStateIsLoadedBitByBitAndADamagedOneThrows) {
     const PathRoulette roulette =
         LearnedRoulette([](const Point3 &p, Float u) { return p.x > 0 ? u : 0.1f; }, EvenImage);
     const auto load = [](const std::string &bytes) {
@@ -160,7 +160,7 @@ TEST(PathRoulette, IsOfUseToOtherPictures) {
 }
 
 /// Dark walls, so that stock's roulette ends most paths; "volpath" stands for path, with the parameter.
-TEST(MinSurvival, ChangesTheNoiseAndNotTheMean) {
+TEST(MinContinuation, ChangesTheNoiseAndNotTheMean) {
     View view = AllViews()[0];
     view.depth = 7;
     view.objects += "Material 'diffuse' 'rgb reflectance' [ .3 .2 .1 ]\n" + AllViews()[0].objects;
@@ -173,7 +173,7 @@ TEST(MinSurvival, ChangesTheNoiseAndNotTheMean) {
     EXPECT_TRUE(SameBits(RenderView(view, "volpath", 1, 16), RenderView(view, "path", 1, 16)));
 }
 
-TEST(MinSurvival, InMediaAsWell) {
+TEST(MinContinuation, InMediaAsWell) {
     View view = ViewsNamed({"DenseAndColored"})[0];
     view.reference = "bdpt";
     view.depth = 6;

@@ -44,7 +44,7 @@ void ExpectUndecided(const Conclusion &c, const std::string &reason) {
 
 }  // namespace
 
-TEST(Conclusion, WhoLeadsBeyondNoiseWins) {
+TEST(Conclusion, ASignificantLeadWins) {
     std::vector<Contender> all = ClearCase();
     all[1].speedUp = 3;
     all[1].speedUpAgainst = "bvh";
@@ -119,7 +119,7 @@ TEST(Conclusion, UnknownBiasOfTheLeaderForbidsAWinner) {
     EXPECT_TRUE(Says(c, "Note: Bias unknown: uniform."));
 }
 
-TEST(Conclusion, DoubtAboutAllOrTheLeaderForbidsAWinnerAndIsSaidOnce) {
+TEST(Conclusion, DoubtAboutAllOrTheLeaderForbidsAWinnerAndIsListedOnce) {
     ExpectUndecided(Conclude(ClearCase(), {{"The references differ.", ""}}, {}, true), "The references differ.");
     ExpectUndecided(Conclude(ClearCase(), {{"Its own errors.", "octree"}}, {}, true), "Its own errors.");
     const Conclusion other = Conclude(ClearCase(), {{"Its own errors.", "bvh"}}, {}, true);

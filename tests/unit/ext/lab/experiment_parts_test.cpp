@@ -63,7 +63,7 @@ TEST(ExperimentDisplay, TimeLeftIsThatOfTheWholeExperiment) {
     EXPECT_EQ(sink.fraction, 1);
 }
 
-TEST_F(Experiment, SceneHashSeesEveryFileThatIsNamed) {
+TEST_F(Experiment, SceneHashDependsOnEveryFileThatIsNamed) {
     Write("a.pbrt", "Include \"b.pbrt\"\n# \"c.ply\"\n");
     Write("b.pbrt", "Shape \"plymesh\" \"string filename\" \"mesh.ply\"\n");
     Write("mesh.ply", "one");

@@ -6,7 +6,7 @@
 
 namespace ext::lab {
 
-TEST_F(Experiment, ReferenceIsKeptInTheCacheAndFoundAgain) {
+TEST_F(Experiment, ReferenceIsKeptInTheCacheAndReused) {
     const ExperimentOutcome first = Run(Settings("one", {"uniform"}));
     const std::vector<fs::path> kept = ReferencesIn("cache");
     ASSERT_GE(kept.size(), 1u);

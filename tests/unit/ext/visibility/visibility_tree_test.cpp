@@ -136,7 +136,7 @@ struct ManyLights {
     }
 };
 
-TEST(VisibilityTree, ManyLightsAreToldApartWhereTheyMatter) {
+TEST(VisibilityTree, ManyLightsAreSeparatedWhereTheyMatter) {
     const ManyLights lights;
     const VisibilityTree tree = lights.Build();
     for (uint32_t r = 0; r < tree.RowCount(); ++r) {

@@ -26,7 +26,7 @@ struct TellingScene {
     }
 };
 
-TEST(PassedHits, ShadowRaysTellAllThatClosestHitsFindOneByOne) {
+TEST(PassedHits, ShadowRaysListTheHitsOfSuccessiveClosestHits) {
     const TellingScene scene;
     Rng rng(9);
     const Bounds3 b = scene.accel.Bounds();

@@ -32,7 +32,7 @@ std::string Grid(const std::string &name) {
     return "MakeNamedMedium '" + name + "' 'string type' 'uniformgrid' 'float density' [ 2 ]\n";
 }
 
-TEST(MediumBuilder, MediaStandWhereTheSceneSaysWhereverTheyAreDefined) {
+TEST(MediumBuilder, MediaTakeTheTransformationOfTheirPlaceInTheFile) {
     // Before the camera, between camera and world, and in the world. The camera is at (10, 20, 30).
     const Built all("Translate 4 5 6\n" + Grid("early") +
                     "Identity\nLookAt 10 20 30 0 0 0 0 1 0\nCamera 'perspective'\nIdentity\nTranslate 7 5 6\n" +
@@ -46,7 +46,7 @@ TEST(MediumBuilder, MediaStandWhereTheSceneSaysWhereverTheyAreDefined) {
     EXPECT_FALSE(all.media.Find(""));
 }
 
-TEST(MediumBuilder, MistakesOfUnusedMediaAreFound) {
+TEST(MediumBuilder, MistakesInUnusedMediaAreReported) {
     const Built built(
         "WorldBegin\nMakeNamedMedium 'a' 'string type' 'homogeneous' 'float g' 3\n"
         "MakeNamedMedium 'b' 'string type' 'cloudd' MakeNamedMedium 'c' 'string type' 'homogeneous'\n");

@@ -66,7 +66,7 @@ TEST_F(MemoryEstimateOfFiles, CountsImagesByTheirHeads) {
     EXPECT_EQ(Estimate(texture("c", "none.png")).images, 0);
 }
 
-TEST(MemoryEstimate, IsSaidInPartsAndComparedWithTheLimit) {
+TEST(MemoryEstimate, TextListsPartsAndTheSumIsComparedWithTheLimit) {
     MemoryEstimate estimate;
     estimate.film = 1e6;
     EXPECT_EQ(estimate.Text(), "1.0 MB: film 1.0 MB");

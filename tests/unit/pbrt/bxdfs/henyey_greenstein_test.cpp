@@ -38,7 +38,7 @@ TEST(HenyeyGreenstein, MeanCosineOfDeflectionIsG) {
     }
 }
 
-TEST(HenyeyGreenstein, LightGoesOnWhereGIsAboveZero) {
+TEST(HenyeyGreenstein, ScattersForwardWhereGIsAboveZero) {
     const Vector3 wo(0, 0, 1);
     EXPECT_GT(HenyeyGreenstein(0.5f).P(wo, -wo), 5 * HenyeyGreenstein(0.5f).P(wo, wo));
     EXPECT_GT(HenyeyGreenstein(-0.5f).P(wo, wo), 5 * HenyeyGreenstein(-0.5f).P(wo, -wo));

@@ -317,7 +317,7 @@ TEST(DiffuseTransmission, SidesAreDrawnByTheLargestValues) {
     EXPECT_FLOAT_EQ(t->f[0], 0.6f * InvPi);
 }
 
-TEST(Lobes, FlagsTellSmoothFromRough) {
+TEST(Lobes, FlagsSeparateSmoothFromRough) {
     EXPECT_EQ(Gold(0, 0).Flags(), BxdfFlags::Reflection | BxdfFlags::Specular);
     EXPECT_EQ(Gold(0, 0.1f).Flags(), BxdfFlags::Reflection | BxdfFlags::Glossy);
     EXPECT_EQ(DiffuseBxdf(SampledSpectrum(0)).Flags(), BxdfFlags::None);

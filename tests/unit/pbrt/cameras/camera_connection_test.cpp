@@ -70,7 +70,7 @@ TEST(CameraConnection, HasTheWeightOfTheRaysDirection) {
 }
 
 /// The importance of all directions together is that of all pixels.
-TEST(CameraConnection, ASphericalCameraSeesAllDirections) {
+TEST(CameraConnection, ASphericalCameraConnectsToAllDirections) {
     for (const char *mapping : {"equalarea", "equirectangular"}) {
         const auto camera = MakeTestCamera("spherical", Params().String("mapping", mapping), {40, 20});
         Rng rng(4);
@@ -87,7 +87,7 @@ TEST(CameraConnection, ASphericalCameraSeesAllDirections) {
     }
 }
 
-TEST(CameraConnection, ThePictureOfASphericalCameraGoesOnBeyondItsEdges) {
+TEST(CameraConnection, SphericalImagesContinueBeyondTheirEdges) {
     for (const char *mapping : {"equalarea", "equirectangular"}) {
         const auto camera = MakeTestCamera("spherical", Params().String("mapping", mapping), {40, 40});
         Rng rng(5);

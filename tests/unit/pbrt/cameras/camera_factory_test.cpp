@@ -9,7 +9,7 @@ std::string CameraError(const std::string &type, const ParamSet &params = Params
     return MessageOf([&] { MakeTestCamera(type, params); });
 }
 
-TEST(MakeCamera, KnownAndUnknownTypes) {
+TEST(MakeCamera, ValidAndUnknownTypes) {
     for (const std::string &name : Cameras().Names())
         if (name != "realistic") {  // "realistic" needs a lens file
             EXPECT_TRUE(MakeTestCamera(name)) << name;

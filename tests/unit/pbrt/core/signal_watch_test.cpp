@@ -125,7 +125,7 @@ TEST_F(SignalWatchTest, HangUpStaysIgnoredUnderNohup) {
         ExitedWithCode(5), "");
 }
 
-TEST_F(SignalWatchTest, NobodyReadingTheMessageHoldsUpNothing) {
+TEST_F(SignalWatchTest, AClosedPipeForTheMessageDelaysNothing) {
     EXPECT_EXIT(Watched([](SignalWatch &watch, Progress &) {
                     int ends[2];
                     if (pipe(ends) != 0) _exit(6);

@@ -78,7 +78,7 @@ class EveryFilm : public ::testing::TestWithParam<std::string> {
 };
 INSTANTIATE_TEST_SUITE_P(Films, EveryFilm, ::testing::ValuesIn(Films().Names()), [](const auto &i) { return i.param; });
 
-TEST_P(EveryFilm, SavedSumsGoOnBitByBit) {
+TEST_P(EveryFilm, SavedSumsContinueBitByBit) {
     auto whole = Make(), first = Make(), second = Make();
     AddSamples(*whole, 0, 20);
     AddSamples(*first, 0, 7);
@@ -179,7 +179,7 @@ TEST_P(EveryFilm, AFilmMadeFromItsRecipeMakesTheSamePicture) {
     EXPECT_NE(Bits(film->ToImage()), Bits(other->ToImage()));
 }
 
-TEST_P(EveryFilm, StateOfAnotherFilmIsRefusedAndChangesNothing) {
+TEST_P(EveryFilm, StateOfAnotherFilmThrowsAndChangesNothing) {
     auto film = Make();
     AddSamples(*film, 0, 3);
     const std::string state = Saved(*film);

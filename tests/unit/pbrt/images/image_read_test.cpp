@@ -38,7 +38,7 @@ const ColorEncoding kSrgb{};
 Float Decoded(int byte) { return kSrgb.ToLinear(Float(byte) / 255); }
 }  // namespace
 
-TEST_F(ReadImageFile, PngIsSrgbUnlessTheCallerSaysOtherwise) {
+TEST_F(ReadImageFile, PngIsSrgbUnlessTheCallerNamesAnEncoding) {
     const std::string path = Write<uint8_t>("a.png", 2, 1, 3, OIIO::TypeDesc::UINT8, {0, 100, 255, 10, 20, 30});
     const Image image = ReadImage(path).image;
     EXPECT_EQ(image.Format(), PixelFormat::U8);
@@ -121,7 +121,7 @@ TEST_F(ReadImageFile, TgaRowsAndAlphaComeOutAsStored) {
     EXPECT_FLOAT_EQ(alpha.Get({0, 0}, 2), Decoded(30));
 }
 
-TEST_F(ReadImageFile, OtherByteFormatsAreSrgbWhateverTheCallerSays) {
+TEST_F(ReadImageFile, OtherByteFormatsAreSrgbForAnyEncodingOfTheCaller) {
     const std::vector<uint8_t> grey(16 * 16 * 3, 100);
     for (const char *name : {"a.bmp", "a.jpg", "a.ppm"}) {
         const std::string path = Write<uint8_t>(name, 16, 16, 3, OIIO::TypeDesc::UINT8, grey);
@@ -138,7 +138,7 @@ TEST_F(ReadImageFile, RadianceIsLinearFloatTopRowFirst) {
     for (int i = 0; i < 12; ++i) EXPECT_NEAR(image.Get({i / 3 % 2, i / 6}, i % 3), values[i], 0.05f * values[i]) << i;
 }
 
-TEST_F(ReadImageFile, RadianceRowsComeOutUprightAndColumnsAreRefused) {
+TEST_F(ReadImageFile, RadianceRowsAreUprightAndColumnsAreErrors) {
     // 3 x 2 pixels, not run-length coded; pixel i has the mantissa 16 (i + 1) in red.
     std::string pixels;
     for (int i = 0; i < 6; ++i) pixels += Bytes({16 * (i + 1), 0, 0, 128});

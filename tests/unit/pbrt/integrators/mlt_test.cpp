@@ -6,7 +6,7 @@
 namespace pbrt::test {
 namespace {
 
-TEST(PrimarySampler, HandsOutTheListAndDrawsWhatIsMissing) {
+TEST(PrimarySampler, ReturnsTheListAndDrawsFurtherNumbers) {
     Rng rng(1), same(1);
     std::vector<Float> numbers(100);
     for (size_t i = 0; i < numbers.size(); ++i) numbers[i] = Float(i) / 200;
@@ -108,7 +108,7 @@ TEST(Mlt, LightSamplersDoNotChangeTheMean) {
          "'string lightsampler' 'octree' 'string octree.portals' 'always'"});
 }
 
-TEST(Mlt, RefusesFilmsAndCamerasThatItCannotServe) {
+TEST(Mlt, UnsupportedFilmsAndCamerasThrow) {
     View view = AllViews()[0];
     const auto render = [&] { RenderView(view, "mlt", 1, 1); };
     view.camera = kRealisticCamera;

@@ -215,7 +215,7 @@ TEST_F(RenderLoop, LearningBeforeAWaveIsDoneOnce) {
     EXPECT_EQ(renderer.Render(9), 3);
 }
 
-TEST_F(RenderLoop, GoingOnRepeatsOnlyWhatIsLearnedFrom) {
+TEST_F(RenderLoop, ResumingRepeatsOnlyWhatIsLearnedFrom) {
     settings_.samplesPerPixel = 32;
     integrator_.learner = std::make_unique<ListedLearner>(std::vector<int>{1, 6});
     WaveRenderer renderer(Context(), settings_);

@@ -46,7 +46,7 @@ void ExpectInvisible(const std::string &integrator, int samples) {
     }
 }
 
-TEST(VolPath, AMediumThatOnlyScattersIsInvisibleUnderAnEvenSky) {
+TEST(VolPath, AMediumThatOnlyScattersIsInvisibleUnderUniformLight) {
     ExpectInvisible("volpath", 128);
     ExpectInvisible("simplevolpath", 512);
 }
@@ -62,10 +62,10 @@ TEST(VolPath, AFurnaceNoticesALittleAbsorption) {
 }
 
 /// All strategies of bdpt together, of paths of any length.
-TEST(Bdpt, AMediumThatOnlyScattersIsInvisibleUnderAnEvenSky) { ExpectInvisible("bdpt", 192); }
+TEST(Bdpt, AMediumThatOnlyScattersIsInvisibleUnderUniformLight) { ExpectInvisible("bdpt", 192); }
 
 /// Pixels of a chain depend on each other, so pictures of several seeds tell the error.
-TEST(Mlt, AMediumThatOnlyScattersIsInvisibleUnderAnEvenSky) {
+TEST(Mlt, AMediumThatOnlyScattersIsInvisibleUnderUniformLight) {
     const double sky = Green(kEvenSky).mean;
     for (const auto &[name, medium] : ScatteringMedia()) {
         const RunningStatistics s = MeansOverSeeds(VolumeScene(kEvenSky + Ball(medium), {"mlt", 1000, 16}));
@@ -81,7 +81,7 @@ TEST(VolPath, TheCameraMayStandInAMediumThatHasNoEnd) {
                 std::exp(-1.));
 }
 
-TEST(VolPath, LightThatWasBelowASurfaceGoesOnThroughTheFogAroundIt) {
+TEST(VolPath, LightFromBelowASurfacePassesTheMediumAroundIt) {
     const std::string world =
         Objects()
             .PointLight("0 0 5", "90 90 90")
@@ -149,7 +149,7 @@ TEST(VolPath, LightSamplersAgree) {
     }
 }
 
-TEST(VolPath, FindsWhatThePlainWalkFinds) {
+TEST(VolPath, MatchesThePlainRandomWalk) {
     const std::string lamp =
         Objects().Attribute("Translate -1.5 1.5 .5", Objects().AreaLight("9 8 6").Diffuse("0 0 0").Sphere(1));
     for (const auto &[name, medium] : ScatteringMedia()) {
@@ -165,7 +165,7 @@ TEST(VolPath, AnyNumberOfThreadsGivesTheSameBits) {
     ExpectSameForThreads(VolumeScene(Foggy(ScatteringMedia()[3].second), {.samples = 8}));
 }
 
-TEST(VolPath, PathSeesNoMediaAndSaysSo) {
+TEST(VolPath, PathIgnoresMediaWithAWarning) {
     const Rendered fog = RenderText(VolumeScene(kEvenSky + Ball(ScatteringMedia()[0].second), {"path"}));
     int warnings = 0;
     for (const Diagnostic &d : fog.diagnostics) warnings += d.message.find("renders no media") != std::string::npos;

@@ -23,9 +23,9 @@ std::vector<Float> Corners(const Transform &turn = kTurn) {
 
 Params BehindPortal(Params sky) { return sky.Floats(ParamType::Point3, "portal", Corners()); }
 
-class SkyThroughPortal : public testing::Test {
+class EnvironmentThroughPortal : public testing::Test {
   protected:
-    SkyThroughPortal() : file_("portal.exr", RgbImage({16, 16}, SkyBehindPortal)) {}
+    EnvironmentThroughPortal() : file_("portal.exr", RgbImage({16, 16}, SkyBehindPortal)) {}
     Params File() const { return BehindPortal(FileParams(file_)); }
     std::unique_ptr<Light> MakeIt() const {
         auto light = Make("infinite", File().Number("scale", 0.8f), Transform::Rotate(40, {1, 2, 3}));
@@ -50,7 +50,7 @@ class SkyThroughPortal : public testing::Test {
 
 const Point3 kViewpoints[] = {Point3(0, 0, 0), Point3(0.2f, 0.1f, 0.9f), Point3(-2, 0.3f, -0.5f), Point3(3, 4, -12)};
 
-TEST_F(SkyThroughPortal, DirectionsFollowTheDensityOfThePointTheyAreSeenFrom) {
+TEST_F(EnvironmentThroughPortal, DirectionsFollowTheDensityAtTheirPoint) {
     auto light = MakeIt();
     for (const Point3 &place : kViewpoints) {
         Point3 p = kTurn.Point(place);
@@ -74,7 +74,7 @@ TEST_F(SkyThroughPortal, DirectionsFollowTheDensityOfThePointTheyAreSeenFrom) {
     }
 }
 
-TEST_F(SkyThroughPortal, DensityAndRadianceOfASampleAreThoseOfItsDirection) {
+TEST_F(EnvironmentThroughPortal, DensityAndRadianceOfASampleAreThoseOfItsDirection) {
     auto light = MakeIt();
     Rng rng(5);
     int same = 0, all = 0;
@@ -93,7 +93,7 @@ TEST_F(SkyThroughPortal, DensityAndRadianceOfASampleAreThoseOfItsDirection) {
     EXPECT_GT(same, 0.99 * all);
 }
 
-TEST_F(SkyThroughPortal, LightComesOnlyThroughTheWindowAndOnlyInwards) {
+TEST_F(EnvironmentThroughPortal, LightComesOnlyThroughThePortalAndOnlyInwards) {
     auto light = MakeIt();
     Rng rng(6);
     int through = 0;
@@ -113,7 +113,7 @@ TEST_F(SkyThroughPortal, LightComesOnlyThroughTheWindowAndOnlyInwards) {
         << "the point is in the plane of the portal";
 }
 
-TEST_F(SkyThroughPortal, WhatIsSeenThroughItIsTheSkyBeyond) {
+TEST_F(EnvironmentThroughPortal, RadianceIsThatOfTheEnvironmentBeyond) {
     // A smooth sky, which resampling changes little.
     TemporaryImage smooth("smooth.exr", RgbImage({64, 64}, [](int x, int y) {
                               const Vector3 w = EqualAreaSquareToSphere(PixelCenter(x, y, {64, 64}));
@@ -134,7 +134,7 @@ TEST_F(SkyThroughPortal, WhatIsSeenThroughItIsTheSkyBeyond) {
     EXPECT_GT(seen, 3000);
 }
 
-TEST_F(SkyThroughPortal, PhiIsWhatComesThroughTheWindow) {
+TEST_F(EnvironmentThroughPortal, PhiIsThePowerThroughThePortal) {
     auto light = MakeIt();
     // The power through the window: radiance times cosine over the half-space, seen from just inside, times the area.
     Rng rng(8);
@@ -148,7 +148,7 @@ TEST_F(SkyThroughPortal, PhiIsWhatComesThroughTheWindow) {
     EXPECT_NEAR(stats.mean, phi, 4.5 * stats.StandardError() + 2e-2 * phi);
 }
 
-TEST_F(SkyThroughPortal, IsGivenInWorldSpaceAndStaysThereInAnyRenderingSpace) {
+TEST_F(EnvironmentThroughPortal, IsGivenInWorldSpaceAndStaysThereInAnyRenderingSpace) {
     auto light = MakeIt();
     DiagnosticSink sink;
     for (Transform renderFromWorld :
@@ -170,7 +170,7 @@ TEST_F(SkyThroughPortal, IsGivenInWorldSpaceAndStaysThereInAnyRenderingSpace) {
     }
 }
 
-TEST_F(SkyThroughPortal, OpeningHoldsTheWindowAndPointsInwards) {
+TEST_F(EnvironmentThroughPortal, OpeningBoundsThePortalAndPointsInwards) {
     auto light = MakeIt();
     EXPECT_FALSE(light->Bounds()) << "for stock samplers a portal light is an infinite light without bounds";
     auto opening = light->AsEnvironment()->Opening();

@@ -85,7 +85,7 @@ TEST_F(ShapeFactory, PatchesDoNotReadTangents) {
 
 // An image of 4 x 2 pixels with one bright pixel in the lower row, second column. Bilinear interpolation spreads its
 // light by half a pixel.
-TEST_F(ShapeFactory, EmissionImagesSayWhereOnAPatchToSample) {
+TEST_F(ShapeFactory, EmissionImagesSetTheDensityOnAPatch) {
     const std::string file = Path("emission.exr");
     Image image(PixelFormat::Float, {4, 2}, {"R", "G", "B"});
     image.Set({1, 1}, 1, 8);

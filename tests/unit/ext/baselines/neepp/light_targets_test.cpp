@@ -106,7 +106,7 @@ TEST(LightTargets, ADistantLightIsADirection) {
 const std::string kSky = std::string("LightSource \"infinite\" \"string filename\" \"") + PBRT_SOURCE_DIR +
                          "/tests/conformance/suite/scenes/assets/env_sky.exr\"";
 
-TEST(LightTargets, TheSkyIsInEqualPartsThatCoverWhatIsDrawnFromIt) {
+TEST(LightTargets, TheEnvironmentIsInEqualPartsThatCoverItsSamples) {
     Rng rng(6);
     for (int i = 0; i < 64 * 50; ++i) {
         auto part = uint32_t(i % 64);
@@ -138,7 +138,7 @@ TEST(LightTargets, TheSkyIsInEqualPartsThatCoverWhatIsDrawnFromIt) {
     EXPECT_NEAR(sum, 1, 1e-5);
 }
 
-TEST(LightTargets, ASkyOfOneColourIsNotSampledAndHasNone) {
+TEST(LightTargets, AnEnvironmentOfOneColourIsNotSampledAndHasNone) {
     Made m = Make(R"(LightSource "infinite")");
     EXPECT_EQ(m.targets.Size(), 0u);
 }

@@ -80,7 +80,7 @@ TEST_F(Lightlab, WorksWithEveryIntegratorThatSamplesLights) {
     }
 }
 
-TEST_F(Lightlab, RefusesIntegratorsWithoutLightSampler) {
+TEST_F(Lightlab, IntegratorsWithoutLightSamplerAreErrors) {
     for (const std::string integrator :
          {"lightpath", "simplepath", "simplevolpath", "randomwalk", "ambientocclusion"}) {
         std::string scene = SmallScene();
@@ -107,7 +107,7 @@ TEST_F(Lightlab, QuietPrintsTheTableOnly) {
     EXPECT_TRUE(Has(o.out, "uniform"));
 }
 
-TEST_F(Lightlab, ReferencesAreKeptWhereTheUserSays) {
+TEST_F(Lightlab, ReferencesAreKeptInTheCacheOrTheGivenFolder) {
     RunWell("scene.pbrt --out one " + kSmall);
     EXPECT_EQ(ReferencesIn("cache/pbrt_octree").size(), Results("one").at("references").size());
     EXPECT_TRUE(ReferencesIn(".").empty());
@@ -122,7 +122,7 @@ TEST_F(Lightlab, ReferencesAreKeptWhereTheUserSays) {
     EXPECT_EQ(ReferencesIn("four"), ReferencesIn("mine"));
 }
 
-TEST_F(Lightlab, KilledExperimentEndsAsIfNothingHadHappened) {
+TEST_F(Lightlab, AResumedExperimentHasTheSameImages) {
     const std::string arguments =
         "scene.pbrt --samplers uniform,power --spp 512 --seeds 1 --reference-spp 64 --no-report --out ";
     RunWell(arguments + "whole");

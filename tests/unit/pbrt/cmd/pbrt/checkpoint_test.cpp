@@ -40,7 +40,7 @@ TEST_F(Checkpoints, ARenderThatWasKilledGivesTheSameBits) {
 }
 
 /// The pass that was interrupted goes on in the middle of an iteration, or of a chain.
-TEST_F(Checkpoints, PhotonMapsAndChainsGoOnToTheSameBits) {
+TEST_F(Checkpoints, PhotonMapsAndChainsResumeToTheSameBits) {
     Write("scene.pbrt", LearningScene("rgb", 8));
     for (const std::string integrator : {"sppm", "mlt"}) {
         const std::string arguments =
@@ -66,7 +66,7 @@ TEST_F(Checkpoints, AGuidedRenderThatWasKilledGivesTheSameBits) {
     ExpectErrors({{lights_ + "scene.pbrt --checkpoint a.chk --resume --spp 40", {"a.chk", "--guide"}}});
 }
 
-TEST_F(Checkpoints, AFinishedRenderGoesOnWithMoreSamples) {
+TEST_F(Checkpoints, AFinishedRenderResumesWithMoreSamples) {
     Write("scene.pbrt", LearningScene("gbuffer", 8));
     const ImageFile eight = Render(lights_ + "scene.pbrt --checkpoint a.chk");
     // The same at once, without more, and step by step.
@@ -83,7 +83,7 @@ TEST_F(Checkpoints, AFinishedRenderGoesOnWithMoreSamples) {
          {lights_ + "scene.pbrt --checkpoint a.chk", {"a.chk: exists already", "--resume"}}});
 }
 
-TEST_F(Checkpoints, TimedRendersGoOnAndHaveTheBitsOfTheirNumberOfSamples) {
+TEST_F(Checkpoints, TimedRendersResumeAndHaveTheBitsOfTheirNumberOfSamples) {
     Write("scene.pbrt", LearningScene("rgb", 8));
     // A finished run has no time left; a longer time adds samples. Time that was spent counts.
     const ImageFile first = Render(lights_ + "scene.pbrt --time 0.5 --checkpoint t.chk"),
@@ -109,7 +109,7 @@ TEST_F(Checkpoints, InterruptedRendersKeepEverySample) {
     EXPECT_TRUE(SamePixels(ReadImage(Path("out.exr")), Render(lights_ + "scene.pbrt", "whole.exr")));
 }
 
-TEST_F(Checkpoints, OtherRendersAreRefusedByWhatDiffers) {
+TEST_F(Checkpoints, ErrorsOfOtherRendersNameTheDifference) {
     Write("scene.pbrt", LearningScene("rgb", 4));
     Write("part.pbrt", "Shape \"sphere\" \"float radius\" 0.1\n");
     Write("more.pbrt", LearningScene("rgb", 4) + "Include \"part.pbrt\"\n");
@@ -128,7 +128,7 @@ TEST_F(Checkpoints, OtherRendersAreRefusedByWhatDiffers) {
     ExpectErrors({{resume + "more.pbrt --maxdepth 2", {"c.chk", "file part.pbrt"}}});
 }
 
-TEST_F(Checkpoints, DamagedFilesAreRefused) {
+TEST_F(Checkpoints, DamagedFilesAreErrors) {
     Write("scene.pbrt", LearningScene("rgb", 2));
     RunWell(lights_ + "scene.pbrt --outfile out.exr --checkpoint c.chk");
     const std::string whole = Read("c.chk");
@@ -191,7 +191,7 @@ TEST_F(Parts, LightThatIsFollowedFromTheLights) {
     }
 }
 
-TEST_F(Parts, PartsOfOtherRendersAndUnfinishedOnesAreRefused) {
+TEST_F(Parts, PartsOfOtherRendersAndUnfinishedOnesAreErrors) {
     Write("scene.pbrt", LearningScene("rgb", 4));
     Write("other.pbrt", LearningScene("rgb", 4) + "Shape \"sphere\" \"float radius\" 0.2\n");
     RunWell("scene.pbrt --samples 0:2 --checkpoint a");
@@ -220,7 +220,7 @@ TEST_F(Parts, PartsOfOtherRendersAndUnfinishedOnesAreRefused) {
                   {"scene.pbrt --samples 0:4 --checkpoint a --resume", {"a: has the samples 0:2, not 0:4"}}});
 }
 
-TEST_F(Parts, ThatLearnForThemselvesAgreeAsWell) {
+TEST_F(Parts, ThatLearnSeparatelyAgreeAsWell) {
     if (!ext_) GTEST_SKIP() << "NOT TESTED: no light sampler of this build learns while it renders";
     Write("scene.pbrt", LearningScene("rgb", 16));
     ExpectSameFromParts(Render(lights_ + "scene.pbrt", "whole.exr"), lights_ + "scene.pbrt", {"3:16", "0:3"});
@@ -257,7 +257,7 @@ TEST_F(SharedLights, FramesOfAnAnimationChooseTheSameLights) {
                   {lights_ + "b.pbrt --checkpoint c.chk --resume", {"--load-lights is not given"}}});
 }
 
-TEST_F(SharedLights, WindowsGoWithThem) {
+TEST_F(SharedLights, IncludePortals) {
     Write("a.pbrt", WindowScene("0 0 -1.8", 1, "1 1 1"));
     Write("b.pbrt", WindowScene("1 .2 -1.7", 1, "1 1 1"));
     const std::string octree = "--lightsampler octree:prepassspp=1,portals=always ",
@@ -271,7 +271,7 @@ TEST_F(SharedLights, WindowsGoWithThem) {
     EXPECT_FALSE(SamePixels(other, Render(octree + "b.pbrt --seed 1")));
 }
 
-TEST_F(SharedLights, TheGuideGoesWithThem) {
+TEST_F(SharedLights, IncludeTheGuide) {
     Write("a.pbrt", GuidedScene(256));
     Write("b.pbrt", Replaced(GuidedScene(16), "LookAt 0 1.2 -2.8", "LookAt .3 1.2 -2.7"));
     for (const std::string lights : {"--lightsampler octree", "--lightsampler bvh"}) {
@@ -297,7 +297,7 @@ TEST_F(SharedLights, TheGuideGoesWithThem) {
                    {"lights: ", "guide", "\"directions\":false"}}});
 }
 
-TEST_F(SharedLights, OtherLightsAreRefusedByWhatDiffers) {
+TEST_F(SharedLights, ErrorsOfOtherLightsNameTheDifference) {
     Write("a.pbrt", Frame(0));
     Write("more.pbrt", Frame(0) + "LightSource \"point\"\n");
     Write("larger.pbrt", Frame(0) + "Shape \"sphere\" \"float radius\" 20\n");

@@ -172,7 +172,7 @@ class DisplayServer(unittest.TestCase):
         subprocess.run([PBRT, "--quiet", "scene.pbrt"], cwd=self.folder, check=True)
         self.assertEqual(watched, self.final_picture())
 
-    def test_nobody_listens(self):
+    def test_without_a_server(self):
         with socket.create_server(("127.0.0.1", 0)) as closed:
             name = f"127.0.0.1:{closed.getsockname()[1]}"
         said = self.render(name, quiet=False)

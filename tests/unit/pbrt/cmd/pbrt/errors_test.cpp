@@ -51,7 +51,7 @@ bool HasDiagnostic(const std::string &text, const std::string &start) {
 
 class ErrorScenesProgram : public Program, public ::testing::WithParamInterface<ErrorScene> {};
 
-TEST_P(ErrorScenesProgram, EndAsTheSuiteSays) {
+TEST_P(ErrorScenesProgram, EndAsTheManifestStates) {
     const ErrorScene &scene = GetParam();
     ASSERT_TRUE(std::filesystem::exists(scene.file));
     std::string place = scene.file + ":";
@@ -127,7 +127,7 @@ TEST_F(Errors, EverythingBeforeTheWorldIsCheckedInOneRun) {
     }
 }
 
-TEST_F(Errors, WhatCannotBeWrittenIsFoundBeforeTheSceneIsBuilt) {
+TEST_F(Errors, UnwritableOutputIsReportedBeforeTheSceneIsBuilt) {
     // Only building finds that this file is missing, so it is not named where something is wrong before.
     Write("scene.pbrt", Quoted("Film 'rgb'\nWorldBegin\nShape 'plymesh' 'string filename' 'none.ply'\n"));
     ExpectErrors({{"--outfile out.exr scene.pbrt", {"none.ply"}}});

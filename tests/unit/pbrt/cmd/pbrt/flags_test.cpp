@@ -186,7 +186,7 @@ Shape "sphere"
     }
 };
 
-TEST_F(Unsupported, IsLeftOutLoudlyWhenAskedFor) {
+TEST_F(Unsupported, IsLeftOutWithWarningsOnRequest) {
     ExpectWords(RunWell("--spp 256 --ignore-unsupported scene.pbrt"),
                 {"Warning: scene.pbrt:3:0: Integrator \"function\" is left out, volpath is used instead",
                  "Warning: scene.pbrt:9:0: Texture \"skin\"", "Wrote fog-incomplete.exr"});
@@ -199,7 +199,7 @@ TEST_F(Unsupported, IsLeftOutLoudlyWhenAskedFor) {
     EXPECT_EQ(Files(), (std::vector<std::string>{"fog-incomplete.exr", "scene.pbrt"}));
 }
 
-TEST_F(Unsupported, NamesTheWayOut) {
+TEST_F(Unsupported, ErrorsNameTheFlagThatHelps) {
     ExpectErrors({{"scene.pbrt", {"--integrator volpath", "ptex"}},
                   {"--ignore-media scene.pbrt", {"--integrator path", "ptex"}}});
 }
@@ -236,7 +236,7 @@ TEST_F(Flags, QuietRunsPrintNothing) {
     EXPECT_TRUE(Has(RunWell("--spp 1 --outfile out.exr warns.pbrt"), "Warning: warns.pbrt:15:"));
 }
 
-TEST_F(Flags, StatisticsAreOnStandardOutputWhenAskedFor) {
+TEST_F(Flags, StatisticsAreOnStandardOutputOnRequest) {
     EXPECT_EQ(Run("--spp 1 --outfile out.exr scene.pbrt").out, "");
     const Outcome o = Run("--spp 2 --stats --outfile out.exr scene.pbrt");
     EXPECT_EQ(o.status, 0);

@@ -175,7 +175,7 @@ class LivePage(unittest.TestCase):
         process.kill()
         self.until(lambda: "does not answer" in self.text("note"))
 
-    def test_ports_and_strangers(self):
+    def test_ports_and_other_hosts(self):
         _, address = self.start("--serve", "0")
         port = int(address.rstrip("/").rsplit(":", 1)[1])
         # Other hosts' pages, and other methods, get nothing.
@@ -202,7 +202,7 @@ class LivePage(unittest.TestCase):
         self.assertIn("interrupted", self.text("note"))
         self.assertEqual(process.wait(10), 130)
 
-    def test_nobody_watches(self):
+    def test_without_a_browser(self):
         begin = time.monotonic()
         process, _ = self.start("--serve", "--spp", "4", size=(64, 48))
         self.assertEqual(process.wait(20), 0)

@@ -179,7 +179,7 @@ TEST_F(Signals, AWorsePictureOrOneOfAnotherSceneIsReplaced) {
     }
 }
 
-TEST_F(Signals, APictureThatSaysNothingOfItsSamplesIsKept) {
+TEST_F(Signals, AnImageWithoutItsSampleCountIsKept) {
     for (const std::string extension : {".png", ".pfm"}) {
         const std::string name = "out" + extension;
         Render("--spp 2 scene.pbrt", name);

@@ -12,7 +12,7 @@ namespace {
 
 SceneDescription Parse(const std::string &text) {
     DiagnosticSink sink;
-    SceneDescription description = ParseSceneText(test::Quoted(text) + "\nWorldBegin\n", sink);
+    SceneDescription description = ParseSceneText(test::SceneText().Head(text).World(), sink);
     sink.ThrowIfErrors();
     return description;
 }

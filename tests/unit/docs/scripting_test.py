@@ -38,9 +38,7 @@ def objects(node):
 class Scripting(unittest.TestCase):
     @classmethod
     def setUpClass(cls):
-        holder = tempfile.TemporaryDirectory()
-        cls.addClassCleanup(holder.cleanup)
-        cls.folder = pathlib.Path(holder.name)
+        cls.folder = pathlib.Path(cls.enterClassContext(tempfile.TemporaryDirectory()))
         subprocess.run([LIGHTLAB, SCENE, "--spp", "2", "--seeds", "2", "--reference-spp", "4", "--divisor", "8", "--samplers",
                         "bvh,octree,bvh+mesh,oracle", "--selection-work", "1e5", "--quiet", "--cache", cls.folder / "cache", "--out",
                         cls.folder / "lab"], check=True, stdout=subprocess.DEVNULL)

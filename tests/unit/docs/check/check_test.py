@@ -53,9 +53,8 @@ PROGRAMS = {"pbrt": "  --spp INT\n", "lightlab": "  --time S\n  --samplers LIST\
 
 class Check(unittest.TestCase):
     def setUp(self):
-        holder = tempfile.TemporaryDirectory()
-        self.addCleanup(holder.cleanup)
-        self.top, self.programs = pathlib.Path(holder.name) / "top", pathlib.Path(holder.name) / "programs"
+        folder = pathlib.Path(self.enterContext(tempfile.TemporaryDirectory()))
+        self.top, self.programs = folder / "top", folder / "programs"
         for name, text in FILES.items():
             self.write(name, text)
         for name, help_text in PROGRAMS.items():

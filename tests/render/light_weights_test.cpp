@@ -130,7 +130,7 @@ std::vector<Case> Cases() {
     std::ranges::replace(samplers, std::string("spatial"), std::string("spatial:voxels=8,samples=64"));
     for (const std::string &name : samplers) cases.push_back({"path", name, 64});
     const bool ext = AllSamplers().samplers.Has("octree");
-    // Samplers and integrators do not know one another: each is here once, and twice where light paths start.
+    // Samplers and integrators are independent: each is here once, and twice where light paths start.
     const char *sampler = ext ? "octree" : "bvh";
     for (const char *integrator : {"volpath", "bdpt", "simplepath", "lightpath"})
         cases.push_back({integrator, sampler, 96});

@@ -245,7 +245,7 @@ TEST(PathGuide, LearnsNoDirectionsWhereTheyDoNotPay) {
     EXPECT_FALSE(first.guide.Cells().Guide()) << "the first samples teach the roulette alone";
     const Learned nothing(Even, false, false, params);
     EXPECT_FALSE(nothing.guide.EstimatesDirections());
-    // With so many samples 80,000 paths are recorded, a part of which is asked first.
+    // With so many samples 80,000 paths are recorded, a part of which is tested first.
     const Learned muchOfNothing(Even, false, false, params, 64), muchOfLobe(Lobe, false, false, params, 64);
     EXPECT_FALSE(muchOfNothing.guide.EstimatesDirections());
     EXPECT_TRUE(muchOfLobe.guide.EstimatesDirections());
@@ -319,7 +319,7 @@ TEST(GuideCells, GuideTowardsTheLight) {
     }
 }
 
-/// More lamps than a few balls could tell apart, all seen from everywhere.
+/// More lights than a few clusters can separate, all visible from everywhere.
 TEST(GuideCells, GuideTowardsManyLights) {
     constexpr int kSide = 6;
     std::vector<Point3> lamps;
@@ -344,8 +344,8 @@ TEST(GuideCells, GuideTowardsManyLights) {
     EXPECT_GE(found, kSide * kSide - 1);
 }
 
-/// A lamp that fewer bounces find than there are cells has nearly all of the second moment: cells that have not found
-/// it yet know of it from those above.
+/// A light that fewer bounces reach than there are cells has nearly all of the second moment: cells without a sample of
+/// it take the estimate of their parents.
 TEST(GuideCells, GuideTowardsRareContributions) {
     const Point3 lamp(0, 0, 1);
     constexpr Float kRadius = 0.03f;

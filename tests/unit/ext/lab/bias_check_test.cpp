@@ -146,7 +146,7 @@ TEST(BiasCheck, DetectsThreePercentInARegion) {
         c.bias = [bias](int x, int y) { return InSquare(x, y, bias); };
         EXPECT_GE(Verdicts(c, 40, 10).biased, 39);
         const BiasReport report = Simulate(c, 99);
-        // The report says where the bias is, its sign and its size.
+        // The report has the place of the bias, its sign and its size.
         EXPECT_TRUE(Overlap(report.worst.pixels, {{16, 16}, {64, 64}})) << report.text;
         // The region with the clearest sign may be wider than the biased one.
         EXPECT_GT(report.worst.difference / bias, 0.25);

@@ -39,7 +39,7 @@ std::string InspectedScene() {
                    .Quad("0 -9 0  0 9 0  0 -9 1  0 9 1"));
 }
 
-/// A uniform sampler whose inspected values tell the position of the query.
+/// A uniform sampler whose inspected values are the position of the query.
 class Telltale final : public test::WrappedSampler {
   public:
     explicit Telltale(const LightTable &lights) : WrappedSampler(uniform_), uniform_(lights.ByComponent()) {}
@@ -107,8 +107,8 @@ TEST_F(Inspect, HasLayersOfTheGuideAndOfPathLengths) {
             share = std::max(share, At(inspection, x, y, "guide.guidingProbability"));
             shines += At(inspection, x, y, "guide.sourceRadiance") > -1;
             length += At(inspection, x, y, "path.vertices") / (32 * 32);
-            const double survival = At(inspection, x, y, "guide.continuationProbability");
-            EXPECT_TRUE(std::isnan(survival) || (survival >= 0.5 && survival <= 1)) << survival;
+            const double probability = At(inspection, x, y, "guide.continuationProbability");
+            EXPECT_TRUE(std::isnan(probability) || (probability >= 0.5 && probability <= 1)) << probability;
         }
     EXPECT_GT(share, 0.2);
     EXPECT_GT(shines, 5);

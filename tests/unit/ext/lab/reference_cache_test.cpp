@@ -95,7 +95,7 @@ TEST_F(Experiment, ReferencesOfStockThatContradictEachOtherProveNothing) {
     ASSERT_EQ(conclusion.at("doubts").size(), 1u) << conclusion.dump();
     EXPECT_NE(conclusion.at("doubts").at(0).get<std::string>().find("prove no bias"), std::string::npos)
         << conclusion.dump();
-    // Such references rank no sampler, whichever seems to lead, and the terminal says so, too.
+    // Such references rank no sampler, whichever leads, and the terminal prints it, too.
     EXPECT_TRUE(conclusion.at("winner").is_null()) << conclusion.dump();
     EXPECT_NE(outcome.text.find("prove no bias"), std::string::npos) << outcome.text;
 }

@@ -242,7 +242,7 @@ TEST(SelectionVerticesInFog, MeasureTheLightOfThePicture) {
     const double error =
         std::sqrt(Sqr(c.StandardError() / c.mean) + Sqr(d.StandardError() / d.mean)) + 0.002;  // that of the pictures
     EXPECT_LT(std::abs(measured / picture - 1), 4 * error) << picture << " " << measured;
-    EXPECT_LT(error, 0.012) << "too noisy to tell";
+    EXPECT_LT(error, 0.012) << "too noisy to compare";
 }
 
 /// Sixteen regions of paths with two vertices. The light varies by factors of up to a thousand; a sample finds it

@@ -1,4 +1,4 @@
-// Learned structures from files: each fault is refused, although checksum and hashes fit.
+// Learned structures from files: each fault is detected, although checksum and hashes fit.
 #include <gtest/gtest.h>
 
 #include "ext/visibility/visibility_records.h"

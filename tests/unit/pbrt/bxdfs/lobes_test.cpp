@@ -14,7 +14,7 @@ namespace {
 constexpr TransportMode kImportance = TransportMode::Importance;
 constexpr ReflTransFlags kSides[] = {ReflTransFlags::Reflection, ReflTransFlags::Transmission, ReflTransFlags::All};
 
-/// The sides that a lobe can be asked to sample.
+/// The sides to sample.
 template <class Lobe>
 std::span<const ReflTransFlags> SidesOf(const Lobe &) {
     return std::span(kSides).last(std::is_same_v<Lobe, DielectricBxdf> ? 3 : 1);

@@ -96,7 +96,7 @@ TEST(VisibleSurface, TracesNoRaysAndKeepsTheRadiance) {
     }
 }
 
-/// Records the samples that it is asked for.
+/// Records the samples whose radiance is evaluated.
 class Census final : public PixelIntegrator {
   public:
     SampledSpectrum Li(const PathStart &start, SampledWavelengths &, Sampler &sampler) const override {

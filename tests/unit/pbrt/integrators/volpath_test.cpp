@@ -18,7 +18,7 @@ std::string Grid(const std::string &type, const std::string &name, int values) {
     return text + " ]";
 }
 
-/// Zeros for every voxel, because a grid absorbs where the scene does not say that it does not.
+/// Zeros for every voxel, because a grid absorbs unless the scene sets its absorption to 0.
 std::string NoAbsorption() {
     std::string text = " 'rgb sigma_a' [";
     for (int i = 0; i < 72; ++i) text += " 0";
@@ -38,7 +38,7 @@ std::vector<std::pair<std::string, std::string>> ScatteringMedia() {
     };
 }
 
-/// Expects that media that only scatter are invisible under an even sky, in every colour.
+/// Expects that media that only scatter are invisible under a uniform environment, in every colour.
 void ExpectInvisible(const std::string &integrator, int samples) {
     for (const auto &[name, medium] : ScatteringMedia()) {
         const Image image = RenderText(VolumeScene(kEvenSky + Ball(medium), {integrator, 1000, samples})).image;
@@ -64,13 +64,13 @@ TEST(VolPath, AFurnaceNoticesALittleAbsorption) {
 /// All strategies of bdpt together, of paths of any length.
 TEST(Bdpt, AMediumThatOnlyScattersIsInvisibleUnderUniformLight) { ExpectInvisible("bdpt", 192); }
 
-/// Pixels of a chain depend on each other, so pictures of several seeds tell the error.
+/// Pixels of a chain depend on each other, so the error is estimated from images of several seeds.
 TEST(Mlt, AMediumThatOnlyScattersIsInvisibleUnderUniformLight) {
     const double sky = Green(kEvenSky).mean;
     for (const auto &[name, medium] : ScatteringMedia()) {
         const RunningStatistics s = MeansOverSeeds(VolumeScene(kEvenSky + Ball(medium), {"mlt", 1000, 16}));
         EXPECT_LT(std::abs(s.mean / sky - 1), 5 * s.StandardError() / sky + 1e-4) << name;
-        EXPECT_LT(s.StandardError(), .02 * sky) << name << ": too noisy to tell";
+        EXPECT_LT(s.StandardError(), .02 * sky) << name << ": too noisy to compare";
     }
 }
 
@@ -130,10 +130,10 @@ std::string Foggy(const std::string &medium) {
 
 void ExpectEqualMeans(const RunningStatistics &a, const RunningStatistics &b, const std::string &what) {
     EXPECT_LT(std::abs(a.mean - b.mean), 5 * std::hypot(a.StandardError(), b.StandardError())) << what;
-    EXPECT_LT(a.StandardError(), 0.02 * a.mean) << what << ": too noisy to tell";
+    EXPECT_LT(a.StandardError(), 0.02 * a.mean) << what << ": too noisy to compare";
 }
 
-/// Each medium with every other sampler, in turn: media and samplers do not know one another.
+/// Each medium with every other sampler, in turn, because media and samplers are independent.
 TEST(VolPath, LightSamplersAgree) {
     const std::string lamps = Objects().PointLight("1 2 2", "9 9 9").PointLight("-2 0 -.5", "2 4 9");
     std::vector<std::string> samplers = AllSamplers().samplers.Names();

@@ -93,7 +93,7 @@ TEST(LightFactory, DirectionsAndConesAreChecked) {
 }
 
 TEST(LightFactory, EveryParameterOfALightIsRead) {
-    TemporaryImage image("asked.exr", RgbImage({4, 4}, [](int, int) { return Rgb(1); }));
+    TemporaryImage image("read.exr", RgbImage({4, 4}, [](int, int) { return Rgb(1); }));
     const auto ones = [](std::initializer_list<const char *> names) {
         Params params;
         for (const char *name : names) params.Number(name, 1);

@@ -87,7 +87,7 @@ TEST_F(Adaptive, TheNoiseReachedIsTheNoiseRequested) {
     Write("room.pbrt", GuidedScene(16));
     for (const auto &[scene, noise] : {std::pair("ball.pbrt", 0.06), {"room.pbrt", 0.15}}) {
         const std::string file = std::string(scene) + " --lightsampler uniform ";
-        // Two references tell their own noise, which is not small.
+        // Two references give an estimate of their own noise, which is not small.
         const ImageFile reference = Render(file + "--spp 512 --seed 9", "reference.exr"),
                         other = Render(file + "--spp 512 --seed 10", "other.exr");
         const ImageFile image = Render(file + fmt::format("--spp 4096 --noise {}", noise));

@@ -90,11 +90,11 @@ TEST_F(Mpi, AKilledRenderIsResumedByAnyNumberOfRanks) {
 
 TEST_F(Mpi, ASignalToAnyProcessSavesWhatAllHaveDone) {
     Write("scene.pbrt", LearningScene("rgb", 2048));
-    for (int asked = 0; asked < 2; ++asked) {
-        const Outcome o = Signal(resumed_, 2, asked, SIGTERM);
+    for (int rank = 0; rank < 2; ++rank) {
+        const Outcome o = Signal(resumed_, 2, rank, SIGTERM);
         ExpectWords(o.err, {"c.chk holds what was rendered"});
         EXPECT_EQ(CountOf(o.err, "holds what was rendered;"), 1u) << o.err;
-        // The next one goes on amid a wave that other processes began.
+        // The next one resumes amid a wave that other processes began.
         std::filesystem::remove(Path("out.exr"));
     }
     StartAs(1);

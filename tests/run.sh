@@ -57,7 +57,7 @@ count "format (.clang-format)" $?
 once="^(program|docs|develop)\\.|^contract\\.scenes\\."
 once+="|^integrators\\.(together|Mlt|Sppm|Bdpt|VolPath|AdaptiveRender|MediaInPlaces|.*/)"
 once+="|^pbrt_program\\.Checkpoints\\.(PhotonMaps|Timed|Interrupted)"
-once+="|^pbrt_program\\.Mpi\\.(Where|ASignal|Time|Errors|Without)"
+once+="|^pbrt_program\\.Mpi\\.(AKilled|ASignal|Time|Errors|Without)"
 once+="|^pbrt_program\\.(Adaptive\\.(Killed|AnyNumber|TheNoise|Less)|Budget\\.Every)"
 
 # One build folder serves both: switching PBRT_EXT recompiles only what depends on it. Programs that do not run without

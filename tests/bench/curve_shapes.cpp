@@ -1,4 +1,4 @@
-// Do Embree's curves have the shape of pbrt's? Sends rays past single flat Bezier segments, asks Embree's flat curve
+// Do Embree's curves have the shape of pbrt's? Sends rays past single flat Bezier segments, tests Embree's flat curve
 // (same linear width, finest tessellation) and our Curves, which match stock's pictures, and prints how often and by
 // how much they differ.
 #include <embree3/rtcore.h>

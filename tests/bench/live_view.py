@@ -1,7 +1,7 @@
 #!/usr/bin/env python3
 """Measures what watching a render costs: renders a scene with and without viewers in turns, and prints the CPU seconds of
 pbrt of each (the smallest of the rounds) and their ratio. The viewers are a stand-in for tev that reads everything, and a
-client of the live page that asks as often as the page does.
+client of the live page that sends requests as often as the page does.
 
     tests/bench/live_view.py --pbrt build/release/src/pbrt/cmd/pbrt/pbrt scenes/three-lights/three-lights.pbrt --spp 32
 """

@@ -53,12 +53,12 @@ int main() {
         team->Meet();
     });
     // What a reply costs rank 0: here it only replies, and its CPU time is measured.
-    int64_t asked = 0;
+    int64_t taken = 0;
     const std::clock_t before = std::clock();
     {
         WorkDistributor numbers(*team, kNumbers / 10, 1, progress);
         if (!team->IsRank0())
-            while (numbers.Take()) ++asked;
+            while (numbers.Take()) ++taken;
         numbers.Finish();
     }
     const double answering = static_cast<double>(std::clock() - before) / CLOCKS_PER_SEC;

@@ -49,7 +49,7 @@ struct Bench {
             if (!(c.value > 0)) continue;
             double weight = c.value;
             if (candidates > 1) {
-                // A sampler made for resampling would know the visibility from its choice, so the time to find it is
+                // A sampler made for resampling would have the visibility from its choice, so the time to find it is
                 // not counted.
                 const double start = Now();
                 weight *= static_cast<double>(learned.PMF(q, c.light) / unlearned.PMF(q, c.light));

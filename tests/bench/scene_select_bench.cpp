@@ -49,7 +49,7 @@ nlohmann::ordered_json Measure(BenchScene &scene, const std::string &name, std::
     for (Float &u : numbers) u = rng.Uniform();
     out["sampleNanoseconds"] = NanosecondsPerQuery(
         queries.size(), [&](size_t i) { chosen[i] = lights->Sample(queries[i], numbers[i]).value_or(SampledLight{}); });
-    // Queries for which no light was chosen are left out, as there is no PMF to ask for.
+    // Queries for which no light was chosen are left out, as they have no PMF.
     std::vector<size_t> some;
     for (size_t i = 0; i < chosen.size(); ++i)
         if (chosen[i].pmf > 0) some.push_back(i);

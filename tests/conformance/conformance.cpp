@@ -245,7 +245,7 @@ int main(int argc, char **argv) {
             request.build.seed = 101;
             Rendered two = RenderScene(request);
             if (unsupported.count(label)) {
-                verdict = "FAIL: it renders, but not_supported.txt says it cannot";
+                verdict = "FAIL: it renders, but not_supported.txt lists it";
             } else {
                 if (!write.empty()) WriteImage(write + "/" + r.category + "_" + r.name + ".exr", one.image);
                 Image a = ReadReference(r.referenceA), b = ReadReference(r.referenceB);
@@ -269,21 +269,21 @@ int main(int argc, char **argv) {
                         for (int k = 0; k < 3; ++k)
                             good &= std::abs(v.means[k] - departure[static_cast<size_t>(k)]) < 0.005;
                         if (!good)
-                            v.why = fmt::format("departures.txt says otherwise of the means: {:.2f}, {:.2f}, {:.2f} %",
+                            v.why = fmt::format("departures.txt has other means: {:.2f}, {:.2f}, {:.2f} %",
                                                 100 * v.means[0], 100 * v.means[1], 100 * v.means[2]);
                     }
                     fmt::print("{:<44} {:>9.3f}% {:>8.3f}% {:>8.3f}% {:>7.1f}  {}\n", label, 100 * v.difference,
                                100 * v.noise, 100 * v.mean, v.worstZ,
                                !good    ? "FAIL: " + v.why
                                : v.good ? "ok"
-                                        : "ok (departs as departures.txt says)");
+                                        : "ok (departs as in departures.txt)");
                 }
             }
         } catch (const UserError &e) {
             // The whole message is printed only if it is unexpected.
             const std::string message = FormatAll(e);
             good = unsupported.count(label) && message.find("not supported yet") != std::string::npos;
-            verdict = good ? "ok (refused: not supported yet)" : fmt::format("FAIL:\n{}", message);
+            verdict = good ? "ok (an error: not supported)" : fmt::format("FAIL:\n{}", message);
         }
         if (!verdict.empty()) fmt::print("{:<44} {:>10} {:>9} {:>9} {:>7}  {}\n", label, "-", "-", "-", "-", verdict);
         std::fflush(stdout);

@@ -85,7 +85,7 @@ TEST_P(SceneContract, PositiveWhereverALightContributes) {
 }
 TEST_P(SceneContract, OneLightEstimatorHasTheSumOverAllLightsAsItsMean) { CheckOneLightEstimator(S(), Contributed()); }
 TEST_P(SceneContract, RegionsAndDirectionsBelongTogether) { CheckRegions(S()); }
-TEST_P(SceneContract, SameAnswerFromAnyThread) { CheckSameFromAnyThread(S()); }
+TEST_P(SceneContract, AnyThreadHasTheSameProbabilities) { CheckSameFromAnyThread(S()); }
 TEST_P(SceneContract, DistributionsOfTwoVerticesKeepApart) { CheckDistributionsKeepApart(S()); }
 TEST_P(SceneContract, OneNumberReachesEveryLight) { CheckOneNumberReachesEveryLight(S()); }
 TEST_P(SceneContract, PreparedTheSameByOneThreadAndByThree) {

@@ -166,7 +166,7 @@ TEST_P(SceneFile, OctreeCanChooseEveryLightThatContributes) {
 INSTANTIATE_TEST_SUITE_P(Scenes, SceneFile, testing::ValuesIn(SceneFiles()),
                          [](const auto &c) { return SceneName(c.param); });
 
-TEST(SceneFiles, AreFound) { EXPECT_GE(SceneFiles().size(), 14u); }
+TEST(SceneFiles, AreListed) { EXPECT_GE(SceneFiles().size(), 14u); }
 
 }  // namespace
 }  // namespace pbrt::test

@@ -32,7 +32,7 @@ class CaseMaker {
     std::vector<std::string> kinds_;
 };
 
-/// Makes a failing case smaller as long as `stillFails` says that it fails for the same reason: leaves out arguments,
+/// Makes a failing case smaller as long as `stillFails` is true, for the same reason: leaves out arguments,
 /// then lines, words and bytes of its files, many at once first. Calls `stillFails` at most `maxTries` times.
 FuzzCase Shrink(FuzzCase failing, const std::function<bool(const FuzzCase &)> &stillFails, int maxTries);
 

@@ -30,7 +30,7 @@ constexpr bool kAddressSanitizer = false;
 
 constexpr int kMaxFrames = 64;
 constexpr size_t kKeptMessages = 1 << 16;
-const int kWhereSignal = SIGRTMIN + 3;  // asks the child to record its stack and end
+const int kWhereSignal = SIGRTMIN + 3;  // makes the child record its stack and end
 constexpr double kWallPerCpu = 8;       // wall-clock time allowed per CPU time; the machine may be busy
 
 double Seconds(clockid_t clock) {
@@ -69,7 +69,7 @@ void RecordAndDie(int signal) {
     raise(signal);
 }
 
-/// An exception that nobody catches must end the child, not continue in a copy of the parent.
+/// An exception that is not caught must end the child, not continue in a copy of the parent.
 int RunToTheEnd(const ChildBody &body, PictureReport &report) noexcept { return body(report); }
 
 void HandleSignals() {

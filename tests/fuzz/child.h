@@ -54,8 +54,8 @@ class Child {
     bool Running() const { return pid_ > 0; }
     /// Can be polled for the end of the child.
     int EndDescriptor() const { return endFd_; }
-    /// Waits for the end, at most so long; asks the child to stop, or forces it, when its time is over. True when the
-    /// child has ended: then Take returns the result.
+    /// Waits for the end, at most so long; sends the child a stop request, or forces it, when its time is over. True
+    /// when the child has ended: then Take returns the result.
     bool Poll(int milliseconds = 0);
     ChildResult Take();
 

@@ -42,7 +42,7 @@ struct StateSeed {
     ImageFile picture{};  ///< the file of lightlab, read
 };
 
-/// Renders small scenes in child processes whose working folder is `folder`/states: checkpoints of renders that go on
+/// Renders small scenes in child processes whose working folder is `folder`/states: checkpoints of renders that resume
 /// learning, files of learned lights, and a reference of lightlab.
 std::vector<StateSeed> MakeStateSeeds(const std::string &folder);
 

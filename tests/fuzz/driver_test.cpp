@@ -92,14 +92,14 @@ void KeepBusy() {
     for (std::atomic<int> i = 0;;) ++i;
 }
 
-TEST_F(Driver, SeesCrashesAndNamesTheirPlace) {
+TEST_F(Driver, DetectsCrashesAndNamesTheirPlace) {
     const std::string fault = Expect(Outcome::Signal, 0, [] { ::fault::WriteToNull(); });
     EXPECT_TRUE(fault.find("Segmentation fault") != std::string::npos) << fault;
     Expect(Outcome::Signal, 0, [] { RecurseForEver(0); });
     EXPECT_NE(Expect(Outcome::Signal, 0, [] { std::abort(); }), fault);
 }
 
-TEST_F(Driver, TellsHangsFromThoseThatStopWhenAsked) {
+TEST_F(Driver, SeparatesHangsFromCasesThatStopOnCancel) {
     Expect(Outcome::Hang, 0, [] {
         std::signal(SIGTERM, SIG_IGN);
         KeepBusy();
@@ -114,7 +114,7 @@ TEST_F(Driver, TellsHangsFromThoseThatStopWhenAsked) {
     });
 }
 
-TEST_F(Driver, SeesMemoryThatNobodySpeaksOf) {
+TEST_F(Driver, DetectsMemoryThatNoMessageNames) {
     // The memory is not written to: the limit is on addresses, and a slow machine would need all the time
     // that the driver gives only to fill it.
     auto allocate = [] {
@@ -151,7 +151,7 @@ TEST_F(Driver, JudgesMessages) {
     EXPECT_NE(ExpectAfterError(Outcome::Message, "value 3 of \"radius\" is even"), odd);
 }
 
-TEST_F(Driver, SeesFindingsOfSanitizers) {
+TEST_F(Driver, DetectsFindingsOfSanitizers) {
     Expect(Outcome::Sanitizer, 99, [] {
         std::fprintf(stderr,
                      "==7==ERROR: AddressSanitizer: heap-buffer-overflow on address 0x60\n"
@@ -161,7 +161,7 @@ TEST_F(Driver, SeesFindingsOfSanitizers) {
            [] { std::fprintf(stderr, "/x/film.cpp:12:7: runtime error: signed integer overflow: 2147483647 + 1\n"); });
 }
 
-TEST_F(Driver, LooksAtPictures) {
+TEST_F(Driver, ChecksImages) {
     EXPECT_EQ(AfterWriting(2).outcome, Outcome::Rendered);
     EXPECT_EQ(AfterWriting(std::numeric_limits<Float>::quiet_NaN()).outcome, Outcome::Picture);
     EXPECT_EQ(AfterWriting(std::numeric_limits<Float>::infinity()).outcome, Outcome::Picture);

@@ -14,11 +14,11 @@ enum class Outcome {
     Rendered,   ///< exit 0, a picture of finite values, no warning
     Warned,     ///< the same with warnings
     Refused,    ///< exit 1, no picture, every error names its place or file
-    Stopped,    ///< too slow; ended when asked to
+    Stopped,    ///< too slow; ended by its stop request
     Signal,     ///< a crash
     Sanitizer,  ///< a report of AddressSanitizer or UndefinedBehaviorSanitizer
     Hang,       ///< too slow, and did not end after SIGTERM
-    Memory,     ///< memory ran out, and no message says what needed it
+    Memory,     ///< memory ran out, and no message names what needed it
     Message,    ///< an error without a place, in the words of a library, or of more than a megabyte
     Silent,     ///< an error without a message, or success without a picture
     Picture,    ///< values that are not finite, or a picture in spite of an error

@@ -196,7 +196,7 @@ std::vector<Recipe> Recipes() {
             {"lights-paper", Room("path", many), {"--lightsampler=octree:model=paper"}, false}};
 }
 
-/// The checkpoint of a part as that of a whole render, which goes on.
+/// The checkpoint of a part as that of a whole render, which resumes.
 std::string OfWholeRender(const std::string &file) {
     State state(file);
     std::string &head = state.Section("head");

@@ -216,7 +216,7 @@ TEST(LightSamplersAgree, FurnaceHasTheAnalyticRadiance) {
                                             .Triangles(corners, "2 7 3 2 6 7  3 4 0 3 7 4"));
     View view(BuildText(text), 4, 6);
     std::vector<std::string> labels = Labels();
-    // Everything is seen from everywhere: fewer voxels know as much.
+    // Everything is visible from everywhere: fewer voxels suffice.
     std::ranges::replace(labels, std::string("neepp"), std::string("neepp:voxels=8"));
     constexpr double kExpected = 1 + 0.5 + 0.25 + 0.125 + 0.0625;
     for (const std::string &label : labels) {
@@ -229,7 +229,7 @@ TEST(LightSamplersAgree, FurnaceHasTheAnalyticRadiance) {
             // The RGB to spectrum table is exact to a thousandth.
             const double off = std::max(0.0, std::abs(m.value - kExpected) - 1e-3 * kExpected);
             a.worstP = std::min(a.worstP, StudentTail(off / error, m.dof));
-            EXPECT_LT(error, 0.005 * kExpected) << "too noisy to tell";
+            EXPECT_LT(error, 0.005 * kExpected) << "too noisy to compare";
             if (c != 1) continue;
             a.difference = m.value / kExpected - 1;
             a.error = error / kExpected;

@@ -42,7 +42,7 @@ Runs RunAll(const GuideRoom &room, int firstSeed, bool guide, int count = kRuns,
     return runs;
 }
 
-/// `largestError`: of the mean of the picture; a larger one could not tell. Returns the pictures of plain paths.
+/// `largestError`: of the mean of the picture; a larger one is a failure. Returns the pictures of plain paths.
 PixelStatistics ExpectTheMeanOfPlainPaths(const GuideRoom &room, double largestError = 0.01, int count = kRuns) {
     const PixelStatistics plain = RunAll(room, 1000, false, count).pictures;
     GuideRoom withoutDirections = room, withDirections = room;
@@ -53,7 +53,7 @@ PixelStatistics ExpectTheMeanOfPlainPaths(const GuideRoom &room, double largestE
         EXPECT_EQ(runs.guided > 0, directions) << room.name;
         const Agreement a = Compare(runs.pictures, {&plain}, 3, 1e-3);
         EXPECT_TRUE(a.Agrees()) << room.name << ": p " << a.worstP << " at " << a.worst;
-        EXPECT_LT(a.error, largestError) << room.name << ": too noisy to tell";
+        EXPECT_LT(a.error, largestError) << room.name << ": too noisy to compare";
         std::printf("%s: %d of %d runs with directions, mean %+.3f +- %.3f %%, worst p %.2g\n", room.name, runs.guided,
                     count, 100 * a.difference, 100 * a.error, a.worstP);
     }

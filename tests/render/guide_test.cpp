@@ -92,7 +92,7 @@ void ExpectToGoOnBitByBit(bool fog, std::initializer_list<int> stops) {
     }
 }
 
-TEST(GuidedPaths, GoOnFromASavedStateBitByBit) {
+TEST(GuidedPaths, ContinueFromASavedStateBitByBit) {
     ExpectToGoOnBitByBit(false, {0, 1, 2, 5, 8, 12, 33});
     // Records of places in media differ, when they are learned from does not.
     ExpectToGoOnBitByBit(true, {1, 8, 33});

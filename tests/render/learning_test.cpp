@@ -1,4 +1,4 @@
-// The octree sampler goes on learning while it renders: same picture however the work is divided, valid
+// The octree sampler keeps learning while it renders: same picture however the work is divided, valid
 // probabilities.
 #include <gtest/gtest.h>
 
@@ -83,7 +83,7 @@ TEST(LearningWhileRendering, AnyThreadsAndAnySplitGiveTheSamePicture) {
     CheckThreadsAndSplits(Build, {"'bool octree.learn' false"});
 }
 
-TEST(LearningWhileRendering, AnyThreadsAndAnySplitGiveTheSamePictureThroughAWindow) {
+TEST(LearningWhileRendering, AnyThreadsAndAnySplitGiveTheSamePictureThroughAPortal) {
     CheckThreadsAndSplits(BuildRoom, {"'string octree.portals' 'never'"});
     // Prepared again, it finds the same.
     BuiltScene built = BuildRoom();
@@ -91,11 +91,10 @@ TEST(LearningWhileRendering, AnyThreadsAndAnySplitGiveTheSamePictureThroughAWind
     EXPECT_TRUE(SameBits(first, Render(built)));
 }
 
-/// A sky that is seen well, or where paths bounce not badly, stays whole, and then nothing is chosen: the picture is
-/// bvh's.
-TEST(OpenSky, StaysWholeAndGivesThePictureOfBvh) {
+/// Unless portals are requested for a room, the environment is sampled as one light: the image is that of bvh.
+TEST(PortalsOfAnOpenScene, AreNotUsedAndTheImageIsThatOfBvh) {
     const std::string always = "'string octree.portals' 'always'";
-    for (const auto &[world, parameters, least, most, staysWhole] :
+    for (const auto &[world, parameters, least, most, isOneLight] :
          {std::tuple{OpenField(), std::string(), 1.0, 1.0, true},
           {OpenField(), always, 1.0, 1.0, true},
           {RoomWithWindow(), "", 0.005, 0.3, true},
@@ -103,10 +102,10 @@ TEST(OpenSky, StaysWholeAndGivesThePictureOfBvh) {
         BuiltScene octree =
                        BuildUnderSky("'string lightsampler' 'octree' 'bool guide.roulette' false " + parameters, world),
                    bvh = BuildUnderSky("'string lightsampler' 'bvh'", world);
-        EXPECT_EQ(SameBits(Render(octree), Render(bvh)), staysWhole);
+        EXPECT_EQ(SameBits(Render(octree), Render(bvh)), isOneLight);
         nlohmann::ordered_json report;
         octree.integrator->Lights()->Report(report);
-        EXPECT_EQ(report.contains("portals"), !staysWhole);
+        EXPECT_EQ(report.contains("portals"), !isOneLight);
         // These renders are too short for a trial, without which nothing is searched.
         EXPECT_EQ(report.contains("environmentSeenShare"), !parameters.empty());
         const double seen = report.value("environmentSeenShare", least);
@@ -158,8 +157,8 @@ void CheckTakingUp(const Maker &make) {
     }
 }
 
-TEST(LearningWhileRendering, ARunThatIsTakenUpAgainLearnsTheSame) { CheckTakingUp(Build); }
-TEST(LearningWhileRendering, ARunThatIsTakenUpAgainFindsTheSameWindow) { CheckTakingUp(BuildRoom); }
+TEST(LearningWhileRendering, AResumedRunLearnsTheSame) { CheckTakingUp(Build); }
+TEST(LearningWhileRendering, AResumedRunDetectsTheSamePortal) { CheckTakingUp(BuildRoom); }
 
 /// A render that stopped somewhere: film, position, and what was learned.
 struct Stopped {
@@ -186,7 +185,7 @@ Image GoOn(const Maker &make, const Stopped &from) {
     return part.built.film->ToImage();
 }
 
-/// A filter that cancels the render when it is asked for the n-th time. The renders here ask for it once a sample of a
+/// A filter that cancels the render at its n-th evaluation. The renders here evaluate it once a sample of a
 /// pixel: 25,600 times, with waves that end at 1,600 and 6,400.
 class CancellingFilter : public Filter {
   public:
@@ -207,7 +206,7 @@ class CancellingFilter : public Filter {
 };
 
 /// What was learned can be saved between any two waves, also before and after learning, and in the middle of a wave
-/// that was cancelled: the render that goes on from there gives the same picture.
+/// that was cancelled: the render resumed from there gives the same picture.
 void CheckSavedState(const Maker &make) {
     BuiltScene uninterrupted = make("");
     const Image whole = Render(uninterrupted);
@@ -247,13 +246,13 @@ void CheckSavedState(const Maker &make) {
     EXPECT_GT(compared, 0);
 }
 
-TEST(LearningWhileRendering, ASavedStateGoesOnBitByBit) { CheckSavedState(Build); }
-TEST(LearningWhileRendering, ASavedStateGoesOnBitByBitThroughAWindow) { CheckSavedState(BuildRoom); }
-TEST(LearningWhileRendering, ASavedStateGoesOnBitByBitWithThePapersModel) {
+TEST(LearningWhileRendering, ASavedStateContinuesBitByBit) { CheckSavedState(Build); }
+TEST(LearningWhileRendering, ASavedStateContinuesBitByBitThroughAPortal) { CheckSavedState(BuildRoom); }
+TEST(LearningWhileRendering, ASavedStateContinuesBitByBitWithThePapersModel) {
     CheckSavedState([](const std::string &parameters) { return Build("'string octree.model' 'paper' " + parameters); });
 }
 
-TEST(LearningWhileRendering, DamagedStatesAreRefused) {
+TEST(LearningWhileRendering, DamagedStatesThrow) {
     for (const Maker &make : {Maker(Build), Maker(BuildRoom)}) {
         BuiltScene built = make("");
         Progress progress;
@@ -261,18 +260,18 @@ TEST(LearningWhileRendering, DamagedStatesAreRefused) {
         StateWriter writer;
         built.integrator->Lights()->SaveLearned(writer, true);
         const std::string whole = writer.Joined();
-        const auto refuses = [&](const std::string &state) {
+        const auto expectThrow = [&](const std::string &state) {
             BuiltScene other = make("");
             StateReader reader(state, "state");
             PrepareContext context = other.Preparation(progress);
             context.learned = &reader;
             EXPECT_THROW(other.integrator->Prepare(context), UserError);
         };
-        for (size_t size = 0; size < whole.size(); size += 1 + whole.size() / 50) refuses(whole.substr(0, size));
-        refuses(std::string(whole.size(), '\x7f'));
+        for (size_t size = 0; size < whole.size(); size += 1 + whole.size() / 50) expectThrow(whole.substr(0, size));
+        expectThrow(std::string(whole.size(), '\x7f'));
         std::string version = whole;
         ++version[0];
-        refuses(version);
+        expectThrow(version);
     }
 }
 
@@ -284,14 +283,14 @@ std::vector<LightQuery> Floor() {
     return queries;
 }
 
-TEST(LearningWhileRendering, LampsBehindTheWallAreHardlyChosen) {
+TEST(LearningWhileRendering, LightsBehindTheWallAreHardlyChosen) {
     auto hidden = [](const LightSampler &lights) {
         Float sum = 0;
         for (const LightQuery &q : Floor())
             for (uint32_t l = kLampsPerRoom; l < 2 * kLampsPerRoom; ++l) sum += lights.PMF(q, LightId(l));
         return sum / 100;
     };
-    // A prepass that knows next to nothing.
+    // A prepass with too few shadow rays to separate the rooms.
     BuiltScene built = Build("'float octree.budget' 0.0001");
     Progress progress;
     PrepareFor(kSamples, built, progress);
@@ -324,7 +323,7 @@ TEST(LearningWhileRendering, CancelledLearningLeavesEverythingAsItWas) {
     Progress cancelled;
     EXPECT_EQ(takeOneSample(stopped, cancelled, 0), 1);
     OnlineModel &learner = *stopped.integrator->Model();
-    EXPECT_EQ(learner.NextUpdate(), 1) << "it said that it had learned";
+    EXPECT_EQ(learner.NextUpdate(), 1) << "it reports that it has learned";
     BuiltScene prepared = Build();
     Progress never;
     PrepareFor(kSamples, prepared, never);

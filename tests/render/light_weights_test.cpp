@@ -130,7 +130,7 @@ std::vector<Case> Cases() {
     std::ranges::replace(samplers, std::string("spatial"), std::string("spatial:voxels=8,samples=64"));
     for (const std::string &name : samplers) cases.push_back({"path", name, 64});
     const bool ext = AllSamplers().samplers.Has("octree");
-    // Samplers and integrators do not know one another: each is here once, and twice where light paths start.
+    // Samplers and integrators are independent: each is here once, and twice where light paths start.
     const char *sampler = ext ? "octree" : "bvh";
     for (const char *integrator : {"volpath", "bdpt", "simplepath", "lightpath"})
         cases.push_back({integrator, sampler, 96});
@@ -156,11 +156,11 @@ class LightWeights : public testing::TestWithParam<Case> {
     }
 };
 
-TEST_P(LightWeights, LinesAreFoundBesideWhiteLight) { ExpectSame(Here(kLines), Reference(kLines), Bias()); }
-TEST_P(LightWeights, LinesAreFoundByAFilmOfTheirRange) { ExpectSame(Here(kInfrared), Reference(kInfrared), Bias()); }
+TEST_P(LightWeights, LinesAreSampledBesideWhiteLight) { ExpectSame(Here(kLines), Reference(kLines), Bias()); }
+TEST_P(LightWeights, LinesAreSampledForAFilmOfTheirRange) { ExpectSame(Here(kInfrared), Reference(kInfrared), Bias()); }
 TEST_P(LightWeights, StrongRadianceIsTheSamePicture) { ExpectSame(Here(kColours, 1e25), Reference(kColours), Bias()); }
 TEST_P(LightWeights, WeakRadianceIsTheSamePicture) { ExpectSame(Here(kColours, 1e-25), Reference(kColours), Bias()); }
-TEST_P(LightWeights, ASunOfRealSizeLeavesLampsTheirLight) {
+TEST_P(LightWeights, ASunOfRealSizeLeavesLocalLightsTheirShare) {
     const Case &c = GetParam();
     if (c.integrator != "path" && c.integrator != "volpath") GTEST_SKIP() << "light paths start at the sun";
     if (c.sampler == "power" || c.sampler == "seen") GTEST_SKIP() << "the sun has all of the power";

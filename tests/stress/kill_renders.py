@@ -1,6 +1,6 @@
 #!/usr/bin/env python3
 """Kills a render (SIGKILL) again and again at random moments, resumes it from its checkpoint each time, and compares the
-picture with that of a render that nobody disturbed, bit by bit.
+picture with that of an undisturbed render, bit by bit.
 
 After every kill the checkpoint must be a file that can be read and lack no more seconds of rendering than the interval and
 some slack; the samples in it must not become fewer. Exit status 0 only if all of that holds for every kill.

@@ -41,7 +41,7 @@ Image RenderView(const View &v, const std::string &integrator, int seed, int sam
 
 /// Expects the mean of the reference, which has as many samples per pixel: of eight renders each, no tile and
 /// colour differs, after `allowed` of the mean of the picture, by what chance explains once in 14,000 tiles. The mean
-/// standard error must be below `maxNoise`, or nothing could be told.
+/// standard error must be below `maxNoise`, or the comparison fails.
 void CheckMean(const View &v, const std::string &integrator, double maxNoise, double allowed = 0);
 
 /// Expects the same bits for any number of threads.
@@ -49,7 +49,11 @@ void CheckThreads(const View &v, const std::string &integrator, int samples);
 
 /// Expects the mean of path under each choice of light sampler that the build has, at least two of them, in a
 /// view with a lamp, a point light and a sky; `allowed`: see CheckMean.
-void CheckLightSamplers(View v, const std::string &integrator, const std::vector<std::string> &choices,
-                        double allowed = 0);
+void CheckLightSamplers(
+    View v, const std::string &integrator,
+    const std::vector<std::string> &choices = {"'string lightsampler' 'uniform'", "'string lightsampler' 'bvh'",
+                                               "'string lightsampler' 'octree'",
+                                               "'string lightsampler' 'octree' 'string octree.portals' 'always'"},
+    double allowed = 0);
 
 }  // namespace pbrt::test

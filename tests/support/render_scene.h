@@ -41,7 +41,7 @@ RunningStatistics MeansOverSeeds(const std::string &text);
 /// True if the pixels of the images, which have one resolution and format, have equal bits.
 bool SameBits(const Image &a, const Image &b);
 
-/// Folder of the real scenes, ending in "/"; empty if absent. Prints where it looked.
+/// Folder of the real scenes, ending in "/"; empty if absent. Prints the places that were searched.
 std::string RealScenes();
 
 }  // namespace pbrt::test

@@ -12,18 +12,18 @@ namespace pbrt::test {
 
 namespace {
 
-struct Answer {
+struct Choice {
     uint32_t light = 0, region = 0;
     Float pmf = 0;
-    bool operator==(const Answer &) const = default;
-    friend std::ostream &operator<<(std::ostream &out, const Answer &a) {
+    bool operator==(const Choice &) const = default;
+    friend std::ostream &operator<<(std::ostream &out, const Choice &a) {
         return out << a.light << " (" << a.region << "): " << a.pmf;
     }
 };
 
-Answer Ask(const LightDistribution &lights, Float u) {
+Choice Choose(const LightDistribution &lights, Float u) {
     std::optional<SampledLight> sample = lights.Sample(u);
-    return sample ? Answer{sample->light.value, sample->region.index, sample->pmf} : Answer{};
+    return sample ? Choice{sample->light.value, sample->region.index, sample->pmf} : Choice{};
 }
 
 /// Bernstein's inequality: an upper bound of the probability that the mean of n values, each at most `greatest` from
@@ -227,16 +227,16 @@ void CheckSameFromAnyThread(const SamplerSubject &s) {
     const size_t tasks = kTasksPerQuery * s.queries.size();
     const int n = std::max(5, s.Calls(200) * 5 / int(tasks));
     auto answers = [&](size_t task) {
-        std::vector<Answer> out;
+        std::vector<Choice> out;
         LightMemory memory;
         const LightDistribution at = s.sampler->At(s.queries[task / kTasksPerQuery], memory);
         for (int i = 0; i < n; ++i) {
-            out.push_back(Ask(at, HashFloat(uint64_t(task), i)));
+            out.push_back(Choose(at, HashFloat(uint64_t(task), i)));
             if (!s.ids.empty()) out.push_back({0, 0, at.PMF(s.ids[size_t(i) % s.ids.size()])});
         }
         return out;
     };
-    std::vector<std::vector<Answer>> parallel(tasks), serial;
+    std::vector<std::vector<Choice>> parallel(tasks), serial;
     ThreadLimit limit(4);
     ParallelForEach(int64_t(tasks), [&](int64_t t) { parallel[size_t(t)] = answers(size_t(t)); });
     for (size_t t = 0; t < tasks; ++t) serial.push_back(answers(t));
@@ -247,27 +247,27 @@ void CheckSameFromAnyThread(const SamplerSubject &s) {
 }
 
 void CheckDistributionsKeepApart(const SamplerSubject &s) {
-    // A path asks the distribution of its last vertex after that of the next one was made.
+    // A path queries the distribution of its last vertex after that of the next one was made.
     const int n = std::min(s.Calls(64), 64);
-    auto ask = [&](const LightDistribution &lights, size_t q) {
-        std::vector<Answer> out;
+    auto query = [&](const LightDistribution &lights, size_t q) {
+        std::vector<Choice> out;
         for (int i = 0; i < n; ++i) {
-            out.push_back(Ask(lights, HashFloat(uint64_t(q), i)));
+            out.push_back(Choose(lights, HashFloat(uint64_t(q), i)));
             if (!s.ids.empty()) out.push_back({0, 0, lights.PMF(s.ids[(q + size_t(i)) % s.ids.size()])});
         }
         return out;
     };
     LightMemory memory[2], alone;
     LightDistribution at[2];
-    std::vector<Answer> expected[2];
+    std::vector<Choice> expected[2];
     for (size_t q = 0; q < s.queries.size(); ++q) {
         const size_t now = q & 1, before = now ^ 1;
         at[now] = s.sampler->At(s.queries[q], memory[now]);
-        expected[now] = ask(s.sampler->At(s.queries[q], alone), q);
+        expected[now] = query(s.sampler->At(s.queries[q], alone), q);
         if (q > 0) {
-            ASSERT_EQ(ask(at[before], q - 1), expected[before]) << "query " << q - 1;
+            ASSERT_EQ(query(at[before], q - 1), expected[before]) << "query " << q - 1;
         }
-        ASSERT_EQ(ask(at[now], q), expected[now]) << "query " << q;
+        ASSERT_EQ(query(at[now], q), expected[now]) << "query " << q;
     }
 }
 
@@ -294,11 +294,11 @@ void CheckSame(const LightSampler &a, const LightSampler &b, std::span<const Lig
     const size_t lights = table.Size(), step = lights / 200 + 1;
     for (size_t q = 0; q < queries.size(); ++q) {
         auto answers = [&](const LightSampler &sampler) {
-            std::vector<Answer> out;
+            std::vector<Choice> out;
             LightMemory memory;
             const LightDistribution at = sampler.At(queries[q], memory);
             for (size_t i = q % step; i < lights; i += step) out.push_back({uint32_t(i), 0, at.PMF(LightId(i))});
-            for (uint64_t i = 0; i < 20; ++i) out.push_back(Ask(at, HashFloat(i)));
+            for (uint64_t i = 0; i < 20; ++i) out.push_back(Choose(at, HashFloat(i)));
             return out;
         };
         ASSERT_EQ(answers(a), answers(b)) << "query " << q;

@@ -39,7 +39,7 @@ void CheckPmfOfSamples(const SamplerSubject &subject);
 /// No probability is negative or above 1; they add up to 1, or Sample returns nothing with the probability that is
 /// missing.
 void CheckPmfSums(const SamplerSubject &subject);
-/// Lights are chosen as often as the PMF says, and what is left of the number for the point is uniform: chi-square
+/// Lights are chosen as often as by the PMF, and what is left of the number for the point is uniform: chi-square
 /// tests per query, corrected for the number of queries. Neighbouring lights of large sets share a cell.
 void CheckFrequencies(const SamplerSubject &subject);
 /// Every light that contributes to a query has a positive PMF there. Returns the number of such pairs of query and

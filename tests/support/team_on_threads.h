@@ -1,6 +1,7 @@
 #pragma once
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <deque>
 #include <functional>
 #include <memory>
@@ -22,6 +23,13 @@ struct Mail {
         MessagePort::Message message;
     };
     std::deque<Letter> letters;
+
+    /// True if a letter was sent to this rank but not received yet.
+    bool IsWaiting(int to, MessagePort::Channel channel) {
+        std::lock_guard lock(mutex);
+        return std::any_of(letters.begin(), letters.end(),
+                           [&](const Letter &l) { return l.to == to && l.channel == channel; });
+    }
 };
 
 class ThreadPort final : public MessagePort {
@@ -53,8 +61,7 @@ class ThreadPort final : public MessagePort {
 };
 
 /// Runs `act` on all ranks of a team at once, and expects that all messages were received.
-inline void WithTeam(int size, const std::function<void(Team &)> &act) {
-    Mail mail;
+inline void WithTeam(Mail &mail, int size, const std::function<void(Team &)> &act) {
     std::vector<std::thread> threads;
     for (int r = 0; r < size; ++r)
         threads.emplace_back([&, r] {
@@ -63,6 +70,10 @@ inline void WithTeam(int size, const std::function<void(Team &)> &act) {
         });
     for (std::thread &t : threads) t.join();
     EXPECT_TRUE(mail.letters.empty());
+}
+inline void WithTeam(int size, const std::function<void(Team &)> &act) {
+    Mail mail;
+    WithTeam(mail, size, act);
 }
 
 }  // namespace pbrt::test

@@ -302,7 +302,7 @@ std::optional<ExperimentOutcome> RunExperiment(const ExperimentSettings &setting
     const RecordFolder records(settings.outFolder + "/records", ExperimentKey(identity));
     OpenFolder(settings, identity, records);
 
-    ExperimentDisplay display(sink);
+    ExperimentDisplay display(sink, cancel);
     const ExperimentContext context{settings, scene, registry, records, cancel, display};
     const std::optional<References> references = MakeReferences(context);
     if (!references) return {};

@@ -1,39 +1,40 @@
 #pragma once
 #include <algorithm>
-#include <chrono>
 #include <optional>
 
 #include "ext/lab/conclusion.h"
 #include "ext/lab/experiment_settings.h"
 #include "ext/lab/run_record.h"
+#include "pbrt/core/progress.h"
 
 namespace ext::lab {
 
 /// Shows progress and remaining time of an experiment, from its phases' estimates.
 class ExperimentDisplay {
   public:
-    explicit ExperimentDisplay(ProgressSink *sink) : sink_(sink) {}
+    /// `time`: its clock; must outlive this object.
+    ExperimentDisplay(ProgressSink *sink, const Progress &time) : sink_(sink), time_(time) {}
 
     void SetPhase(const std::string &phase) { phase_ = phase; }
     /// Sets the estimated seconds of all later phases.
     void SetAfter(double seconds) { after_ = seconds; }
     /// `left`: estimated seconds of the current phase; negative: unknown.
     void Show(double left) {
-        if (!sink_ || SecondsSince(shown_) < 0.2) return;
-        shown_ = Clock::now();
-        const double elapsed = SecondsSince(start_), all = left >= 0 ? left + after_ : -1;
+        if (!sink_ || time_.SecondsSince(shown_) < 0.2) return;
+        shown_ = time_.Now();
+        const double elapsed = time_.SecondsSince(start_), all = left >= 0 ? left + after_ : -1;
         sink_->Show(phase_, left >= 0 ? elapsed / std::max(elapsed + all, 1e-9) : 0, elapsed, all);
     }
     void Finish() {
-        if (sink_) sink_->PhaseDone("experiment", SecondsSince(start_));
+        if (sink_) sink_->PhaseDone("experiment", time_.SecondsSince(start_));
     }
 
   private:
-    using Clock = std::chrono::steady_clock;
     ProgressSink *sink_;
+    const Progress &time_;
     std::string phase_;
     double after_ = 0;
-    Clock::time_point start_ = Clock::now(), shown_ = start_;
+    Progress::Clock::time_point start_ = time_.Now(), shown_ = start_;
 };
 
 /// What all parts of an experiment use.

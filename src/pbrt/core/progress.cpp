@@ -63,7 +63,7 @@ std::unique_ptr<ProgressSink> MakeTerminalProgress(bool quiet) {
 void Progress::BeginPhase(std::string name, int64_t total) {
     phase_.done = done_;
     if (!phase_.name.empty()) outer_.push_back(std::move(phase_));
-    phase_ = {std::move(name), total, 0, Clock::now()};
+    phase_ = {std::move(name), total, 0, Now()};
     done_ = 0;
     nextShowMs_ = 100;
 }

@@ -3,10 +3,12 @@
 #include <chrono>
 #include <cstdint>
 #include <ctime>
+#include <functional>
 #include <memory>
 #include <mutex>
 #include <optional>
 #include <string>
+#include <utility>
 #include <vector>
 
 namespace pbrt {
@@ -39,7 +41,10 @@ std::unique_ptr<ProgressSink> MakeTerminalProgress(bool quiet);
 /// phases change on one thread.
 class Progress {
   public:
-    explicit Progress(ProgressSink *sink = nullptr) : sink_(sink) {}
+    using Clock = std::chrono::steady_clock;
+    /// `now`: the clock of these phases, and of everything that reads the time here.
+    explicit Progress(ProgressSink *sink = nullptr, std::function<Clock::time_point()> now = &Clock::now)
+        : sink_(sink), now_(std::move(now)) {}
 
     void BeginPhase(std::string name, int64_t total);
     /// For phases whose total becomes available later.
@@ -49,6 +54,8 @@ class Progress {
     void SetFraction(double fraction, double remainingSeconds);
     /// Returns the phase's duration in seconds.
     double EndPhase();
+    Clock::time_point Now() const { return now_(); }
+    double SecondsSince(Clock::time_point start) const { return std::chrono::duration<double>(Now() - start).count(); }
     const std::string &PhaseName() const { return phase_.name.empty() ? last_ : phase_.name; }
 
     /// Requests a stop at the next safe point (Ctrl-C). Async-signal-safe.
@@ -56,7 +63,6 @@ class Progress {
     bool Cancelled() const { return cancelled_.load(std::memory_order_relaxed); }
 
   private:
-    using Clock = std::chrono::steady_clock;
     struct Phase {
         std::string name;
         int64_t total = 0, done = 0;  ///< done: value when an inner phase began
@@ -65,6 +71,7 @@ class Progress {
     /// Shows the phase unless it was shown just before. `remaining`: seconds; empty: estimated from the fraction.
     void ShowIfDue(double fraction, std::optional<double> remaining = {});
     ProgressSink *sink_;
+    const std::function<Clock::time_point()> now_;
     Phase phase_;
     std::vector<Phase> outer_;  ///< phases that enclose phase_, outermost first
     std::string last_;          ///< last ended phase

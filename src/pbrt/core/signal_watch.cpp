@@ -17,7 +17,7 @@
 namespace pbrt {
 namespace {
 
-using Clock = std::chrono::steady_clock;
+using Clock = Progress::Clock;
 
 constexpr int kSignals[] = {SIGINT, SIGTERM, SIGHUP};
 
@@ -47,7 +47,7 @@ struct SignalWatch::Impl {
     mutable std::mutex mutex;  ///< protects the members from here to the pipe
     std::string notice, message;
     double grace = 0;  ///< seconds
-    Clock::time_point phaseStart = Clock::now();
+    Clock::time_point phaseStart = progress.Now();
     int first = 0;  ///< signal; 0: none yet
     Clock::time_point firstTime{};
 
@@ -71,7 +71,7 @@ struct SignalWatch::Impl {
 
     void Take(int signal) {
         std::lock_guard lock(mutex);
-        const Clock::time_point now = Clock::now();
+        const Clock::time_point now = progress.Now();
         if (!first) {
             first = signal;
             firstTime = now;
@@ -88,7 +88,7 @@ struct SignalWatch::Impl {
         std::lock_guard lock(mutex);
         const std::optional<Clock::time_point> deadline = Deadline();
         if (!deadline) return -1;
-        const auto left = std::chrono::ceil<std::chrono::milliseconds>(*deadline - Clock::now()).count();
+        const auto left = std::chrono::ceil<std::chrono::milliseconds>(*deadline - progress.Now()).count();
         if (left <= 0) End();
         return int(left);
     }
@@ -143,7 +143,7 @@ void SignalWatch::Cancel(std::string notice, std::string message, double seconds
     impl_->notice = std::move(notice);
     impl_->message = std::move(message);
     impl_->grace = seconds;
-    impl_->phaseStart = Clock::now();
+    impl_->phaseStart = impl_->progress.Now();
     Notify(Impl::kWake);
 }
 

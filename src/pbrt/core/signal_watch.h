@@ -13,7 +13,7 @@ namespace pbrt {
 ///
 /// The response to the first signal is set per phase. A second signal ends the process at once, unless it comes within
 /// kRepeat of the first (`timeout` sends its signal twice). Ending at once removes temporary files, prints a message
-/// unless quiet, and exits with 128 + the first signal; nothing else runs.
+/// unless quiet, and exits with 128 + the first signal; nothing else runs. Times are those of the progress' clock.
 class SignalWatch {
   public:
     static constexpr std::chrono::milliseconds kRepeat{300};

@@ -6,7 +6,7 @@
 namespace pbrt {
 namespace {
 
-using Clock = std::chrono::steady_clock;
+using Clock = Progress::Clock;
 
 class WaveLoop {
   public:
@@ -34,7 +34,7 @@ class WaveLoop {
         Describe();
         if (settings_.checkpoint && isPrepared) settings_.checkpoint(renderer_.Position(), result_);
         renderer_.EndTogether();
-        result_.seconds = SecondsSince(start_);
+        result_.seconds = progress.SecondsSince(start_);
         progress.EndPhase();
         return result_;
     }
@@ -58,7 +58,7 @@ class WaveLoop {
         const int64_t pixels = context_.film.PixelBounds().Area();
         progress.BeginPhase("rendering",
                             settings_.HasKnownEnd() ? pixels * (settings_.EndSample() - settings_.firstSample) : 0);
-        start_ = Clock::now();
+        start_ = progress.Now();
         // Light preparation may have taken long; a resumed render has just loaded its checkpoint.
         saved_ = settings_.from ? start_ : settings_.start;
         if (settings_.from) {
@@ -72,11 +72,11 @@ class WaveLoop {
     }
 
     void SaveIfDue() {
-        if (!settings_.checkpoint || SecondsSince(saved_) < settings_.checkpointInterval) return;
+        if (!settings_.checkpoint || context_.progress.SecondsSince(saved_) < settings_.checkpointInterval) return;
         renderer_.Gather();
         Describe();
         settings_.checkpoint(renderer_.Position(), result_);
-        saved_ = Clock::now();
+        saved_ = context_.progress.Now();
     }
 
     /// Samples per pixel of the next wave, at most `wave`; 0 if less than half a sample fits the time budget.
@@ -84,7 +84,7 @@ class WaveLoop {
         int size = IsTimed() ? wave : std::min(wave, settings_.EndSample() - renderer_.Done());
         if (!(secondsPerSample_ > 0)) return size;
         if (IsTimed()) {
-            const double left = settings_.timeBudget - SecondsSince(settings_.start);
+            const double left = settings_.timeBudget - context_.progress.SecondsSince(settings_.start);
             const int fits = int(std::min(left / secondsPerSample_, 1e6) + 0.5);
             if (fits < 1) return 0;
             size = std::min(size, fits);
@@ -100,10 +100,10 @@ class WaveLoop {
     /// Returns false if cancelled.
     bool RenderWave(int size) {
         renderer_.UpdateIfDue();
-        const Clock::time_point start = Clock::now();
+        const Clock::time_point start = context_.progress.Now();
         const int taken = renderer_.Render(size);
         if (taken == 0) return false;
-        secondsPerSample_ = SecondsSince(start) / taken;
+        secondsPerSample_ = context_.progress.SecondsSince(start) / taken;
         if (settings_.afterWave || reference_.IsKept()) renderer_.Gather();
         result_.mse = reference_.Log(renderer_.Done(), context_.film);
         if (!IsDone()) renderer_.DecideIfDue();
@@ -118,7 +118,7 @@ class WaveLoop {
     /// Of renders whose end is not a number of samples.
     void ShowProgress() {
         if (settings_.HasKnownEnd()) return;
-        const double spent = SecondsSince(settings_.start);
+        const double spent = context_.progress.SecondsSince(settings_.start);
         double left =
             IsTimed() ? settings_.timeBudget - spent : secondsPerSample_ * (settings_.EndSample() - renderer_.Done());
         if (settings_.noise > 0 && renderer_.Noise())
@@ -141,16 +141,18 @@ class WaveLoop {
 /// Cancels work at a deadline, through its progress.
 class Deadline : public ProgressSink {
   public:
-    explicit Deadline(double seconds) : end_(Clock::now() + std::chrono::duration<double>(seconds)) {}
+    /// By the clock of `time`.
+    Deadline(const Progress &time, double seconds)
+        : progress(this, [&time] { return time.Now(); }), end_(time.Now() + std::chrono::duration<double>(seconds)) {}
     void Show(const std::string &, double fraction, double, double) override {
         fraction_ = fraction;
-        if (Clock::now() > end_) progress.Cancel();
+        if (progress.Now() > end_) progress.Cancel();
     }
     void PhaseDone(const std::string &, double) override {}
     /// Of the phase, at cancellation.
     double Fraction() const { return fraction_; }
 
-    Progress progress{this};
+    Progress progress;
 
   private:
     const std::chrono::time_point<Clock, std::chrono::duration<double>> end_;
@@ -175,24 +177,24 @@ int FittingSamples(double seconds, double secondsPerSample) {
 }
 
 double MeasureSecondsPerSample(const RenderContext &context, RenderSettings settings, double seconds) {
-    Deadline deadline(seconds / 20);
+    Deadline deadline(context.progress, seconds / 20);
     settings.timeBudget = 0;                                                  // progress by samples
     settings.samplesPerPixel = std::max(settings.samplesPerPixel, kMaxWave);  // no wave ends at a batch boundary
     WaveRenderer renderer(
         {context.integrator, context.camera, context.filter, context.film, context.sampler, deadline.progress},
         settings);
-    const Clock::time_point start = Clock::now();
+    const Clock::time_point start = context.progress.Now();
     double fastest = std::numeric_limits<double>::infinity();  // the others were disturbed, or warmed up
     for (int wave = 0;; ++wave) {
         const int size = std::min(std::max(1, 1 << std::min(wave, 30) >> 1), kMaxWave);
         deadline.progress.BeginPhase("measuring", size * context.film.PixelBounds().Area());
-        const Clock::time_point waveStart = Clock::now();
+        const Clock::time_point waveStart = context.progress.Now();
         const int taken = renderer.Render(size);
-        const double spent = SecondsSince(waveStart);
+        const double spent = context.progress.SecondsSince(waveStart);
         deadline.progress.EndPhase();
         if (taken > 0) fastest = std::min(fastest, spent / taken);
         if (taken == 0 && std::isinf(fastest)) return spent / (size * std::max(deadline.Fraction(), 1e-3));
-        if (taken == 0 || (wave > 0 && SecondsSince(start) > seconds / 50)) return fastest;
+        if (taken == 0 || (wave > 0 && context.progress.SecondsSince(start) > seconds / 50)) return fastest;
     }
 }
 

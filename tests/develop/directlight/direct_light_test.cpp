@@ -3,7 +3,7 @@
 #include "pbrt/build/integrator_builder.h"
 #include "support/build_text.h"
 
-using namespace pbrt;
+namespace pbrt {
 
 void AddDirectLight(IntegratorTable &table);
 
@@ -50,3 +50,5 @@ TEST(DirectLight, IsTheSingleScatteringOfSimplePath) {
             }
     EXPECT_GT(sum, 1);
 }
+
+}  // namespace pbrt

@@ -7,7 +7,7 @@ namespace pbrt::test {
 /// Where the camera and the receivers are.
 enum class Place { Around, Within };
 
-/// One kind of area light: what a scene file says of it.
+/// One kind of area light: as in a scene file.
 struct EmitterKind {
     std::string name;
     std::string text;

@@ -21,7 +21,7 @@ namespace {
 constexpr double kAlpha = 1e-3;  ///< false alarm anywhere in the law's table, if the seeds were not fixed
 constexpr int kSamples = 6, kSlowSamples = 4, kReferenceSamples = 128;  ///< per pixel and run
 constexpr int kRuns = 2;
-/// Samplers that can choose among meshes if told to; the others do so anyway, or not at all.
+/// Samplers that choose among meshes on request; the others always or never do.
 const std::set<std::string> kGroupable = {"uniform", "power", "bvh", "exhaustive"};
 
 /// Every registered light sampler; what they do before or beside rendering is cut down.
@@ -36,7 +36,7 @@ const std::vector<std::string> &SamplerLabels() {
     }();
     return kLabels;
 }
-/// Every other sampler, in turn: kinds of lights and samplers do not know one another.
+/// Every other sampler, in turn, because kinds of lights and samplers are independent.
 bool IsTried(size_t kind, size_t sampler) { return (kind + sampler) % 2 == 0; }
 bool IsTried(const EmitterKind &kind, size_t sampler) {
     const std::vector<EmitterKind> kinds = EmitterKinds();
@@ -228,7 +228,7 @@ TEST(EmittersOfTheSuite, AreTheReferencesWithEveryLightSampler) {
     }
 }
 
-TEST(Emitters, CurvesAreRefused) {
+TEST(Emitters, CurvesAreErrors) {
     const std::string text =
         EmitterScene({"curve", "AreaLightSource 'diffuse' Shape 'curve' 'point3 P' [ 0 0 0  1 0 0  1 1 0  0 1 0 ]"});
     ExpectError([&] { BuildText(text); }, {"curve", "area light"});

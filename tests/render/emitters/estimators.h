@@ -14,7 +14,7 @@ enum class Estimator {
     Both     ///< path: BSDF and light sampling combined
 };
 
-/// Densities that a test spoils: factors on what is said of every light but the first of the scene.
+/// Densities that a test spoils: factors on those of every light but the first of the scene.
 struct Spoilt {
     Float ofSamples = 1;  ///< what comes with a light sample
     Float ofRays = 1;     ///< what the weight of a ray that hits the light is made of

@@ -89,7 +89,7 @@ std::string FlashText(const Objects &lamp, double behind, const ScaleIntegrator 
                         .Quad("-6 -6 -2  6 -6 -2  -6 6 -2  6 6 -2"));
 }
 
-TEST(CameraInThePlaneOfALamp, DoesNotSeeIt) {
+TEST(CameraInThePlaneOfALight, ReceivesNoLightFromIt) {
     const std::string square = " -.5 -.5 0  .5 -.5 0  -.5 .5 0  .5 .5 0";
     for (const ScaleIntegrator &integrator : AllIntegrators({}))
         for (const Objects &lamp : {Objects().Triangles(square, kTwoTriangles), Objects().Quad(square)})

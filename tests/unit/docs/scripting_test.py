@@ -38,9 +38,7 @@ def objects(node):
 class Scripting(unittest.TestCase):
     @classmethod
     def setUpClass(cls):
-        holder = tempfile.TemporaryDirectory()
-        cls.addClassCleanup(holder.cleanup)
-        cls.folder = pathlib.Path(holder.name)
+        cls.folder = pathlib.Path(cls.enterClassContext(tempfile.TemporaryDirectory()))
         subprocess.run([LIGHTLAB, SCENE, "--spp", "2", "--seeds", "2", "--reference-spp", "4", "--divisor", "8", "--samplers",
                         "bvh,octree,bvh+mesh,oracle", "--selection-work", "1e5", "--quiet", "--cache", cls.folder / "cache", "--out",
                         cls.folder / "lab"], check=True, stdout=subprocess.DEVNULL)
@@ -89,7 +87,7 @@ class Scripting(unittest.TestCase):
                     self.assertTrue(target.get("description", "").strip(), f"{name}: {key}")
                 self.assertIs(described.get("additionalProperties", None), False, f"{name}: other keys are allowed")
 
-    def test_files_are_where_they_are_said_to_be(self):
+    def test_files_are_in_the_documented_places(self):
         for sampler in self.results["samplers"]:
             for key in ("picture", "pictureRange", "errorPicture"):
                 self.assertTrue((self.path.parent / sampler[key]).is_file(), sampler[key])

@@ -1,5 +1,5 @@
 #!/usr/bin/python3
-"""Stands in for lightlab: writes a results.json with known errors for the samplers it is asked for. STAND_IN_LOG: file
+"""Stands in for lightlab: writes a results.json with known errors for the given samplers. STAND_IN_LOG: file
 that every command line is added to. STAND_IN_FAIL: campaigns that end with status 1. STAND_IN_BIASED: a label.
 STAND_IN_CLEAN_FROM: number of seeds from which verdicts are clean; below they are unknown.
 STAND_IN_WAIT: a file that it makes before it waits for Ctrl-C."""

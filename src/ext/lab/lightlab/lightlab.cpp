@@ -89,7 +89,7 @@ int Compare(const LightlabOptions &options, const PluginRegistry &registry) {
 int RunSubcommand(const LightlabOptions &options, const PluginRegistry &registry) {
     std::unique_ptr<ProgressSink> display = MakeTerminalProgress(options.quiet);
     Progress progress(display.get());
-    SignalWatch signals(progress, "");
+    SignalWatch signals(progress, "Interrupted.");
     signals.Cancel("", "Interrupted.", kGraceSeconds);
     ExperimentSettings settings = options.experiment;
     if (options.noise) settings.samplers = ParseSamplerChoices(options.samplers, registry);

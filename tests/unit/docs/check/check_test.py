@@ -53,9 +53,8 @@ PROGRAMS = {"pbrt": "  --spp INT\n", "lightlab": "  --time S\n  --samplers LIST\
 
 class Check(unittest.TestCase):
     def setUp(self):
-        holder = tempfile.TemporaryDirectory()
-        self.addCleanup(holder.cleanup)
-        self.top, self.programs = pathlib.Path(holder.name) / "top", pathlib.Path(holder.name) / "programs"
+        folder = pathlib.Path(self.enterContext(tempfile.TemporaryDirectory()))
+        self.top, self.programs = folder / "top", folder / "programs"
         for name, text in FILES.items():
             self.write(name, text)
         for name, help_text in PROGRAMS.items():
@@ -93,7 +92,7 @@ class Check(unittest.TestCase):
         for word in words:
             self.assertIn(word, found[0])
 
-    def test_finds_nothing_where_nothing_is_wrong(self):
+    def test_reports_nothing_without_faults(self):
         self.assertEqual(self.faults(), [])
         self.assertIn("5 commands", self.run_check().stdout)
 
@@ -102,7 +101,7 @@ class Check(unittest.TestCase):
             subprocess.run(["git", "-C", self.top, *words], check=True)
         self.assertEqual(self.faults(), [])
 
-    def test_one_fault_is_found_at_its_place(self):
+    def test_one_fault_is_reported_at_its_place(self):
         for name, old, new, place, word in (
                 ("README.md", "#how-to-render-it", "#how-to-print-it", "README.md:3", "#how-to-print-it"),
                 ("README.md", "See [", "See [it](../elsewhere/a.md) and [", "README.md:3", "outside"),
@@ -137,7 +136,7 @@ class Check(unittest.TestCase):
         self.replace("docs/guide.md", "src/a.cpp", "src/b.cpp")
         self.expect("docs/guide.md:10", "src/b.cpp")
 
-    def test_page_that_nobody_links_to(self):
+    def test_page_without_a_link_to_it(self):
         self.write("docs/lost.md", "# Lost\n")
         self.replace("docs/budgets.txt", "40 README.md", "40 README.md\n9 docs/lost.md")
         self.expect("docs/lost.md:1", "no page links here")
@@ -215,7 +214,7 @@ class Check(unittest.TestCase):
         self.replace("CITATION.cff", "1.2.3", "1.2.2")
         self.expect("CITATION.cff:1", "names version 1.2.2, CMakeLists.txt 1.2.3")
 
-    def test_missing_programs_are_said(self):
+    def test_missing_programs_are_reported(self):
         shutil.rmtree(self.programs / "pbrt")
         self.assertIn("not checked: flags of pbrt", self.run_check().stdout)
 

@@ -101,7 +101,7 @@ class PaperScripts(unittest.TestCase):
                       "--spp 64", table2)
         self.assertNotIn("--direct", table2)
 
-    def test_shared_experiments_run_once_and_a_second_run_asks_for_the_same(self):
+    def test_shared_experiments_run_once_and_a_second_run_has_the_same_commands(self):
         self.run_script()
         first = self.commands()
         self.assertEqual(len(first), 1 + 3 + 3 + 1)  # fig1, fig3, table2, fig5; fig4 and table1 share fig3's
@@ -146,7 +146,7 @@ class PaperScripts(unittest.TestCase):
         self.expect(self.row("fig5", scene="ajar", sampler="uniform+mesh"), relL2Abs="0.4", standard_error="0.01")
         self.assertEqual(len(self.commands()), 1)
 
-    def test_unknown_pieces_are_refused_with_the_choices(self):
+    def test_unknown_pieces_are_errors_that_list_the_choices(self):
         done = self.run_script("--only", "fig2")
         self.assertEqual(done.returncode, 2)
         self.assertIn("choose from fig1, fig3, fig4, table1, table2, fig5", done.stderr)

@@ -37,9 +37,7 @@ Shape "sphere" "float radius" .8
 
 class CompareRenderers(unittest.TestCase):
     def setUp(self):
-        holder = tempfile.TemporaryDirectory()
-        self.addCleanup(holder.cleanup)
-        self.top = pathlib.Path(holder.name)
+        self.top = pathlib.Path(self.enterContext(tempfile.TemporaryDirectory()))
         self.scene = self.top / "tiny.pbrt"
         self.scene.write_text(SCENE)
 

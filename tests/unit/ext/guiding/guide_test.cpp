@@ -245,7 +245,7 @@ TEST(PathGuide, LearnsNoDirectionsWhereTheyDoNotPay) {
     EXPECT_FALSE(first.guide.Cells().Guide()) << "the first samples teach the roulette alone";
     const Learned nothing(Even, false, false, params);
     EXPECT_FALSE(nothing.guide.EstimatesDirections());
-    // With so many samples 80,000 paths are recorded, a part of which is asked first.
+    // With so many samples 80,000 paths are recorded, a part of which is tested first.
     const Learned muchOfNothing(Even, false, false, params, 64), muchOfLobe(Lobe, false, false, params, 64);
     EXPECT_FALSE(muchOfNothing.guide.EstimatesDirections());
     EXPECT_TRUE(muchOfLobe.guide.EstimatesDirections());
@@ -287,7 +287,7 @@ GuideRecord UnderLamps(const Point3 &p, std::span<const Point3> lamps, Float rad
 }
 
 /// Two rooms, x < 0 and x > 0, with a lamp in each behind a wall that hides it from the other room.
-TEST(GuideCells, GuideToWhatTheySee) {
+TEST(GuideCells, GuideTowardsTheLight) {
     const Point3 lamps[] = {{-1, 0, 1}, {1, 0, 1}};
     constexpr Float kRadius = 0.15f;
     Rng rng(21);
@@ -319,8 +319,8 @@ TEST(GuideCells, GuideToWhatTheySee) {
     }
 }
 
-/// More lamps than a few balls could tell apart, all seen from everywhere.
-TEST(GuideCells, GuideToManyLamps) {
+/// More lights than a few clusters can separate, all visible from everywhere.
+TEST(GuideCells, GuideTowardsManyLights) {
     constexpr int kSide = 6;
     std::vector<Point3> lamps;
     for (int i = 0; i < kSide * kSide; ++i)
@@ -344,9 +344,9 @@ TEST(GuideCells, GuideToManyLamps) {
     EXPECT_GE(found, kSide * kSide - 1);
 }
 
-/// A lamp that fewer bounces find than there are cells has nearly all of the second moment: cells that have not found
-/// it yet know of it from those above.
-TEST(GuideCells, GuideToWhatIsRarelyFound) {
+/// A light that fewer bounces reach than there are cells has nearly all of the second moment: cells without a sample of
+/// it take the estimate of their parents.
+TEST(GuideCells, GuideTowardsRareContributions) {
     const Point3 lamp(0, 0, 1);
     constexpr Float kRadius = 0.03f;
     Rng rng(5);
@@ -369,7 +369,7 @@ TEST(GuideCells, GuideToWhatIsRarelyFound) {
     EXPECT_GE(guiding, kPlaces * 19 / 20);
 }
 
-TEST(PathGuide, ASavedStateIsLoadedBitByBitAndADamagedOneRefused) {
+TEST(PathGuide, ASavedStateIsLoadedBitByBitAndADamagedOneThrows) {
     BuiltScene built = BuildText(SceneText().World(kBall));
     Progress progress;
     const auto load = [&](const std::string &bytes, PathGuide &guide) {

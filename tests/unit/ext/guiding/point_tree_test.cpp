@@ -1,4 +1,4 @@
-// Trees over places: every place is found in the leaf that it was put into, and damaged ones are refused.
+// Trees over places: every place is in the leaf that it was put into, and damaged ones are invalid.
 #include "ext/guiding/point_tree.h"
 
 #include <gtest/gtest.h>
@@ -31,7 +31,7 @@ struct Built {
     }
 };
 
-TEST(PointTree, FindsEveryPlaceInItsLeaf) {
+TEST(PointTree, EveryPlaceIsInItsLeaf) {
     Rng rng(5);
     Built built;
     built.tree.Begin(2);
@@ -64,7 +64,7 @@ TEST(PointTree, DoesNotDivideWhatLiesInOnePoint) {
     EXPECT_EQ(built.tree.Nodes().size(), 1);
 }
 
-TEST(PointTree, RefusesADamagedOne) {
+TEST(PointTree, ADamagedOneIsInvalid) {
     Rng rng(6);
     Built built;
     built.tree.Begin(1);
@@ -84,20 +84,20 @@ TEST(PointTree, RefusesADamagedOne) {
     EXPECT_THROW(load(saved, built.tree.Nodes().size() + 1, built.leaves.size()), UserError);
     const std::vector<PointTree::Node> &nodes = built.tree.Nodes();
     for (size_t i = 0; i < nodes.size(); ++i) {
-        const auto refuses = [&](auto &&change) {
+        const auto expectThrow = [&](auto &&change) {
             PointTree::Node node = nodes[i];
             change(node);
             EXPECT_THROW(load(WithElement(saved, 0, i, node), 1, built.leaves.size()), UserError) << i;
         };
-        refuses([](PointTree::Node &n) { n.axis = 4; });
-        refuses([](PointTree::Node &n) { n.below = 0xffffffffu; });
+        expectThrow([](PointTree::Node &n) { n.axis = 4; });
+        expectThrow([](PointTree::Node &n) { n.below = 0xffffffffu; });
         if (nodes[i].IsLeaf()) continue;
         // Behind the last node, itself, the children of another one, and neighbours that are not siblings.
-        refuses([&](PointTree::Node &n) { n.below = uint32_t(nodes.size() - 1); });
-        refuses([&](PointTree::Node &n) { n.below = uint32_t(i); });
-        refuses([&](PointTree::Node &n) { n.below += n.below + 3 < nodes.size() ? 2 : -2; });
-        refuses([&](PointTree::Node &n) { ++n.below; });
-        refuses([](PointTree::Node &n) { n.split = std::numeric_limits<Float>::quiet_NaN(); });
+        expectThrow([&](PointTree::Node &n) { n.below = uint32_t(nodes.size() - 1); });
+        expectThrow([&](PointTree::Node &n) { n.below = uint32_t(i); });
+        expectThrow([&](PointTree::Node &n) { n.below += n.below + 3 < nodes.size() ? 2 : -2; });
+        expectThrow([&](PointTree::Node &n) { ++n.below; });
+        expectThrow([](PointTree::Node &n) { n.split = std::numeric_limits<Float>::quiet_NaN(); });
     }
     std::string changed = saved;
     ++changed[sizeof(uint64_t) + offsetof(PointTree::Node, split)];

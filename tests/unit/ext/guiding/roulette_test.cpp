@@ -1,4 +1,4 @@
-// Roulette: by a least probability, and by what paths found, where it is told what that was.
+// Russian roulette with a minimum continuation probability, and learned from given contributions.
 #include <gtest/gtest.h>
 
 #include "ext/guiding/path_roulette.h"
@@ -19,8 +19,9 @@ Point2i PixelOf(size_t path) {
 }
 const uint32_t kUp = PathRoulette::KindOf({0, 0, 1}, false), kDown = PathRoulette::KindOf({0, 0, -1}, false);
 
-/// `found(p, u)`: what a path finds from p on, which is in [-1, 1]^2 on the plane z = 0, for a cost of 2; without light
-/// sampling there half of that, for a cost of 1. The two paths of a pixel find 0 and 2 `radiance(pixel)`.
+/// `found(p, u)`: contribution of a path from p on, which is in [-1, 1]^2 on the plane z = 0, for a cost of 2; without
+/// light sampling there half of that, for a cost of 1. The two paths of a pixel have radiance 0 and 2
+/// `radiance(pixel)`.
 template <class Found, class Radiance>
 PathRoulette LearnedRoulette(Found &&found, Radiance &&radiance) {
     PathRoulette roulette;
@@ -39,9 +40,9 @@ PathRoulette LearnedRoulette(Found &&found, Radiance &&radiance) {
 }
 Float EvenImage(Point2i) { return 1; }
 
-/// The probability to go on at a place, before light is sampled there.
-Float SurvivalAt(const PathRoulette &roulette, const Point3 &p, uint32_t kind, Float worth) {
-    return PathRoulette::ContinuationProbability(roulette.At(p, kind).here, worth);
+/// The continuation probability at a place, before light is sampled there.
+Float ProbabilityAt(const PathRoulette &roulette, const Point3 &p, uint32_t kind, Float importance) {
+    return PathRoulette::ContinuationProbability(roulette.At(p, kind).here, importance);
 }
 
 TEST(PathRoulette, FollowsTheFormula) {
@@ -51,31 +52,31 @@ TEST(PathRoulette, FollowsTheFormula) {
     const Float importance = roulette.PixelImportance({5, 5});
     // I^2 = 1 + 0.2^2, V0 = 2 / I^2, C0 = 5, M = 0.75^2, C = 2, V = 0.
     const Float expected = PathRoulette::kVarianceCorrection * std::sqrt(0.75f * 0.75f / 2) * std::sqrt(5.f / 2);
-    for (Float worth : {0.8f, 0.9f})
-        EXPECT_NEAR(SurvivalAt(roulette, p, kUp, worth * importance), worth * expected, 1e-3f);
-    EXPECT_EQ(SurvivalAt(roulette, p, kUp, 0.01f * importance), PathRoulette::kMinContinuation);
-    EXPECT_EQ(SurvivalAt(roulette, p, kUp, 100 * importance), 1);
+    for (Float factor : {0.8f, 0.9f})
+        EXPECT_NEAR(ProbabilityAt(roulette, p, kUp, factor * importance), factor * expected, 1e-3f);
+    EXPECT_EQ(ProbabilityAt(roulette, p, kUp, 0.01f * importance), PathRoulette::kMinContinuation);
+    EXPECT_EQ(ProbabilityAt(roulette, p, kUp, 100 * importance), 1);
     const Float onwards = PathRoulette::kVarianceCorrection * (0.75f / 2) * std::sqrt(5.f / 2);
     EXPECT_NEAR(roulette.At(p, kUp).onwards * importance, onwards, 1e-3f);
-    // Nothing is known of the other side.
-    EXPECT_EQ(SurvivalAt(roulette, p, kDown, importance), 0);
+    // The other side has no records.
+    EXPECT_EQ(ProbabilityAt(roulette, p, kDown, importance), 0);
 }
 
-TEST(PathRoulette, PathsGoOnWhereLightIsFoundRarely) {
+TEST(PathRoulette, PathsContinueWhereContributionsAreRare) {
     const PathRoulette roulette =
         LearnedRoulette([](const Point3 &p, Float u) { return p.x > 0 ? (u < 0.1f ? 10.f : 0) : 0.1f; }, EvenImage);
     // The means are 1 and 0.1, the roots of the second moments 3.2 and 0.1.
     const Float importance = roulette.PixelImportance({5, 5});
-    EXPECT_GT(SurvivalAt(roulette, {0.5f, 0, 0}, kUp, 0.25f * importance), 0.7f);
-    EXPECT_EQ(SurvivalAt(roulette, {0.5f, 0, 0}, kUp, importance), 1);
-    EXPECT_EQ(SurvivalAt(roulette, {-0.5f, 0, 0}, kUp, importance), PathRoulette::kMinContinuation);
+    EXPECT_GT(ProbabilityAt(roulette, {0.5f, 0, 0}, kUp, 0.25f * importance), 0.7f);
+    EXPECT_EQ(ProbabilityAt(roulette, {0.5f, 0, 0}, kUp, importance), 1);
+    EXPECT_EQ(ProbabilityAt(roulette, {-0.5f, 0, 0}, kUp, importance), PathRoulette::kMinContinuation);
 }
 
-TEST(PathRoulette, PathsOfDarkPixelsGoOnLonger) {
+TEST(PathRoulette, PathsOfDarkPixelsContinueLonger) {
     const PathRoulette roulette = LearnedRoulette([](const Point3 &, Float) { return 0.75f; },
                                                   [](Point2i pixel) { return pixel.x < kSide / 2 ? 0.5f : 1.5f; });
-    EXPECT_GT(SurvivalAt(roulette, {0, 0, 0}, kUp, 0.7f * roulette.PixelImportance({2, 30})),
-              1.3f * SurvivalAt(roulette, {0, 0, 0}, kUp, 0.7f * roulette.PixelImportance({60, 30})));
+    EXPECT_GT(ProbabilityAt(roulette, {0, 0, 0}, kUp, 0.7f * roulette.PixelImportance({2, 30})),
+              1.3f * ProbabilityAt(roulette, {0, 0, 0}, kUp, 0.7f * roulette.PixelImportance({60, 30})));
 }
 
 TEST(PathRoulette, PathsThatWereEndedThereDoNotCountOnwards) {
@@ -91,9 +92,9 @@ TEST(PathRoulette, PathsThatWereEndedThereDoNotCountOnwards) {
     EXPECT_NEAR(roulette.At({0, 0, 0}, kUp).onwards, PathRoulette::kVarianceCorrection * 0.25f, 1e-3f);
 }
 
-/// The worth of pixels whose 24 samples are those of `sample(k)`, the samples of a pixel being neighbours.
+/// The importance of pixels whose 24 samples are those of `sample(k)`, the samples of a pixel being neighbours.
 template <class Sample>
-Float WorthOf(Sample &&sample) {
+Float ImportanceOf(Sample &&sample) {
     PathRoulette roulette;
     constexpr size_t kSamples = 24;
     roulette.BeginRecords(kSamples * 64, 1);
@@ -108,10 +109,10 @@ TEST(PathRoulette, NoiseThatAPixelSamplerEvensOutMakesNoPathEnd) {
     // Dark and bright samples take turns, so that all blocks of eight are much alike; or they come by chance.
     const auto even = [](size_t k, Float u) { return (k % 2 == 0 ? 0 : 2) + 0.2f * u; };
     const auto uneven = [](size_t, Float u) { return u < 0.5f ? 0.1f : 2.1f; };
-    EXPECT_GT(WorthOf(even), 4 * WorthOf(uneven));
+    EXPECT_GT(ImportanceOf(even), 4 * ImportanceOf(uneven));
 }
 
-TEST(PathRoulette, KnowsNothingIfNothingWasFound) {
+TEST(PathRoulette, HasNoEstimatesWithoutContributions) {
     EXPECT_FALSE(
         LearnedRoulette([](const Point3 &, Float) { return 0.f; }, [](Point2i) { return 0.f; }).HasEstimates());
 }
@@ -126,7 +127,7 @@ TEST(PathRoulette, SidesAndGlossyPlacesAreApart) {
     for (uint32_t k = 0; k < PathRoulette::kKinds; ++k) EXPECT_EQ(kinds[k], k);
 }
 
-TEST(PathRoulette, ASavedStateIsLoadedBitByBitAndADamagedOneRefused) {
+TEST(PathRoulette, ASavedStateIsLoadedBitByBitAndADamagedOneThrows) {
     const PathRoulette roulette =
         LearnedRoulette([](const Point3 &p, Float u) { return p.x > 0 ? u : 0.1f; }, EvenImage);
     const auto load = [](const std::string &bytes) {
@@ -149,7 +150,7 @@ TEST(PathRoulette, IsOfUseToOtherPictures) {
         for (const int x : {1, kSide - 2})
             EXPECT_EQ(other.PixelImportance({x * side / kSide, side / 2}), learned.PixelImportance({x, kSide / 2}))
                 << side << " " << x;
-        EXPECT_EQ(SurvivalAt(other, {0, 0, 0}, kUp, 0.1f), SurvivalAt(learned, {0, 0, 0}, kUp, 0.1f));
+        EXPECT_EQ(ProbabilityAt(other, {0, 0, 0}, kUp, 0.1f), ProbabilityAt(learned, {0, 0, 0}, kUp, 0.1f));
     }
     PathRoulette elsewhere = learned;
     elsewhere.UseFor({30, 20}, false);
@@ -160,7 +161,7 @@ TEST(PathRoulette, IsOfUseToOtherPictures) {
 }
 
 /// Dark walls, so that stock's roulette ends most paths; "volpath" stands for path, with the parameter.
-TEST(MinSurvival, ChangesTheNoiseAndNotTheMean) {
+TEST(MinContinuation, ChangesTheNoiseAndNotTheMean) {
     View view = AllViews()[0];
     view.depth = 7;
     view.objects += "Material 'diffuse' 'rgb reflectance' [ .3 .2 .1 ]\n" + AllViews()[0].objects;
@@ -173,7 +174,7 @@ TEST(MinSurvival, ChangesTheNoiseAndNotTheMean) {
     EXPECT_TRUE(SameBits(RenderView(view, "volpath", 1, 16), RenderView(view, "path", 1, 16)));
 }
 
-TEST(MinSurvival, InMediaAsWell) {
+TEST(MinContinuation, InMediaAsWell) {
     View view = ViewsNamed({"DenseAndColored"})[0];
     view.reference = "bdpt";
     view.depth = 6;

@@ -99,7 +99,7 @@ TEST(AuxiliaryRuns, LightThatASamplerMeetsRarelyIsNoBias) {
 
 // A reference from a file has no auxiliary runs that show how strong the rare samples are where the runs met none. So
 // there are more false alarms than the level allows.
-TEST(AuxiliaryRuns, WithoutKinSomeFalseAlarmsRemain) {
+TEST(AuxiliaryRuns, WithoutThemSomeFalseAlarmsRemain) {
     auto make = [](double probability, double share, double spread) {
         Contest contest = TwoOfWhomOneIsRare(probability, share, spread);
         contest.second.reset();
@@ -111,7 +111,7 @@ TEST(AuxiliaryRuns, WithoutKinSomeFalseAlarmsRemain) {
 
 // The samples of other kinds of samplers do not hide the bias of a calm one. Here relL2 is 0.1, and a light is lost in
 // 39 % of the picture.
-TEST(AuxiliaryRuns, BiasOfACalmSamplerIsFoundWhateverTheOthersDo) {
+TEST(AuxiliaryRuns, BiasOfACalmSamplerIsDetectedWhateverTheOthersDo) {
     for (const test::Noise &other :
          {kSmooth, Fireflies(1e-3, 0.3, 0.3), Lognormal(1.5), Fireflies(1e-2, 0.3, 0.8, 0.5)}) {
         const Contest contest = ContestOf({{kSmooth, kCalm, true}, {other, kRare}, {kSmooth, kOther}}, 2, 1);
@@ -122,14 +122,14 @@ TEST(AuxiliaryRuns, BiasOfACalmSamplerIsFoundWhateverTheOthersDo) {
 }
 
 // If samplers of the same kind meet strong samples in the region, the difference must be larger than these can explain.
-TEST(AuxiliaryRuns, KinOfStrongSamplesHidesASmallBiasOnly) {
+TEST(AuxiliaryRuns, OutliersInThemHideASmallBiasOnly) {
     const Contest contest =
         ContestOf({{kSmooth, kRare, true}, {Fireflies(1e-2, 0.2, 0.3), kRare}, {kSmooth, kCalm}}, 2, 1);
     EXPECT_LE(Found(contest, 3, 0.03), 4);
     EXPECT_GE(Found(contest, 12, 0.4), 18);
 }
 
-TEST(AuxiliaryRuns, OrderDoesNotMatterAndASinglePictureTellsNothing) {
+TEST(AuxiliaryRuns, OrderDoesNotMatterAndASingleImageGivesNoEstimate) {
     test::Experiment c;
     c.noise = Fireflies(1e-3, 0.3, 0.1);
     Rng rng(3, 3);

@@ -140,13 +140,13 @@ TEST(BiasCheck, OnePictureAsReferenceOrOneRunGivesNoFalseAlarms) {
 }
 
 // relL2 0.02 and 4 runs are what an experiment of some seconds gives.
-TEST(BiasCheck, FindsThreePercentInARegion) {
+TEST(BiasCheck, DetectsThreePercentInARegion) {
     for (double bias : {0.03, -0.03}) {
         Experiment c = With(Lognormal(0.14), 4);
         c.bias = [bias](int x, int y) { return InSquare(x, y, bias); };
         EXPECT_GE(Verdicts(c, 40, 10).biased, 39);
         const BiasReport report = Simulate(c, 99);
-        // The report says where the bias is, its sign and its size.
+        // The report has the place of the bias, its sign and its size.
         EXPECT_TRUE(Overlap(report.worst.pixels, {{16, 16}, {64, 64}})) << report.text;
         // The region with the clearest sign may be wider than the biased one.
         EXPECT_GT(report.worst.difference / bias, 0.25);
@@ -156,7 +156,7 @@ TEST(BiasCheck, FindsThreePercentInARegion) {
     }
 }
 
-TEST(BiasCheck, FindsWhatItShould) {
+TEST(BiasCheck, DetectsBiasOfEveryKind) {
     struct Case {
         const char *what;
         test::Noise noise;
@@ -177,7 +177,7 @@ TEST(BiasCheck, FindsWhatItShould) {
     }
 }
 
-TEST(BiasCheck, CallsCleanOnlyWhatItCouldHaveSeen) {
+TEST(BiasCheck, IsCleanOnlyWhereBiasIsDetectable) {
     EXPECT_GE(Verdicts(With(Lognormal(0.14), 4), 40, 14).clean, 39);
     // The pictures are too noisy for a bias of 3 %: the verdict is unknown, with or without bias.
     Experiment noisy = With(Lognormal(1.2));
@@ -191,7 +191,7 @@ TEST(BiasCheck, CallsCleanOnlyWhatItCouldHaveSeen) {
 }
 
 // The report states the bias that would be seen in 9 of 10 experiments; here experiments with that bias are simulated.
-TEST(BiasCheck, FindsWhatItSaysItCouldHaveSeen) {
+TEST(BiasCheck, DetectsTheBiasThatItStatesAsDetectable) {
     for (const test::Noise &noise : {Lognormal(0.3), Lognormal(0.8), Fireflies(1e-2, 0.05, 0.2)}) {
         double visible = 0;
         for (uint64_t i = 0; i < 10; ++i) visible += Simulate(With(noise), 180 + i).visibleImage / 10;
@@ -278,7 +278,7 @@ TEST(BiasCheck, PicturesWithoutNoiseAreJudgedByTheAllowance) {
     EXPECT_EQ(Simulate(c, 1).verdict, BiasVerdict::Clean);
 }
 
-TEST(BiasCheck, RefusesWhatDoesNotMatch) {
+TEST(BiasCheck, ThrowsIfImagesDoNotMatch) {
     Rng rng(1, 1);
     Experiment c, other;
     other.resolution = {64, 64};

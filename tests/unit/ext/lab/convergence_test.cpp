@@ -29,13 +29,13 @@ TEST(ErrorCurve, ReadsPowerLawsExactlyBetweenThePoints) {
     }
 }
 
-TEST(ErrorCurve, GoesOnAtTheMonteCarloRateAfterPreparation) {
+TEST(ErrorCurve, ContinuesAtTheMonteCarloRateAfterPreparation) {
     const ErrorCurve curve = MonteCarlo(3, 5, {6, 8, 12});
     EXPECT_NEAR(*curve.ErrorAt(47), 3.0 / 42, 1e-12);
     EXPECT_NEAR(*curve.CostToReach(3.0 / 42), 47, 1e-9);
 }
 
-TEST(ErrorCurve, DoesNotGuessBeforeTheFirstPoint) {
+TEST(ErrorCurve, HasNoValueBeforeTheFirstPoint) {
     const ErrorCurve curve = MonteCarlo(1, 0, {2, 4});
     EXPECT_FALSE(curve.ErrorAt(1.9));
     EXPECT_FALSE(curve.CostToReach(0.6));

@@ -1,8 +1,7 @@
-#include <thread>
-
 #include "experiment_fixture.h"
 #include "pbrt/build/light_sampler_spec.h"
 #include "pbrt/scenefile/content_hash.h"
+#include "support/test_clock.h"
 
 namespace ext::lab {
 
@@ -49,12 +48,17 @@ TEST(ExperimentDisplay, TimeLeftIsThatOfTheWholeExperiment) {
         std::string phase;
         double fraction = -1, elapsed = 0, remaining = -2;
     } sink;
-    ExperimentDisplay display(&sink);
+    pbrt::test::TestClock clock;
+    const Progress time(nullptr, std::ref(clock));
+    ExperimentDisplay display(&sink, time);
     auto show = [&](double left) {
-        std::this_thread::sleep_for(std::chrono::milliseconds(210));  // the display is updated at most every 0.2 s
+        clock.Advance(std::chrono::milliseconds(200));  // the display is updated at most every 0.2 s
         display.Show(left);
     };
     display.SetPhase("pilot");
+    clock.Advance(std::chrono::milliseconds(199));
+    display.Show(-1);
+    EXPECT_EQ(sink.fraction, -1);
     show(-1);
     EXPECT_EQ(sink.phase, "pilot");
     EXPECT_EQ(sink.fraction, 0);
@@ -64,14 +68,15 @@ TEST(ExperimentDisplay, TimeLeftIsThatOfTheWholeExperiment) {
     show(2);
     EXPECT_EQ(sink.phase, "reference 0");
     EXPECT_EQ(sink.remaining, 5);
-    EXPECT_NEAR(sink.fraction, sink.elapsed / (sink.elapsed + 5), 1e-12);
+    EXPECT_NEAR(sink.elapsed, 0.599, 1e-9);
+    EXPECT_NEAR(sink.fraction, 0.599 / 5.599, 1e-9);
     display.SetAfter(0);
     show(0);
     EXPECT_EQ(sink.remaining, 0);
     EXPECT_EQ(sink.fraction, 1);
 }
 
-TEST_F(Experiment, SceneHashSeesEveryFileThatIsNamed) {
+TEST_F(Experiment, SceneHashDependsOnEveryFileThatIsNamed) {
     Write("a.pbrt", "Include \"b.pbrt\"\n# \"c.ply\"\n");
     Write("b.pbrt", "Shape \"plymesh\" \"string filename\" \"mesh.ply\"\n");
     Write("mesh.ply", "one");

@@ -22,7 +22,7 @@ TEST_F(Experiment, RoundsWithoutNewSamplesAreNoDamage) {
 
 // Cuts or removes every file that an experiment keeps, both of a finished experiment and of one that was stopped while
 // it rendered.
-TEST_F(Experiment, GoesOnWhateverFileWasCutShort) {
+TEST_F(Experiment, ResumesWhateverFileWasCutShort) {
     const std::vector<std::string> samplers = {"uniform", "honest"};
     const ExperimentOutcome whole = Run(Settings("whole", samplers));
     // Another experiment is stopped in its rounds, after it has saved a film.
@@ -84,7 +84,7 @@ TEST_F(Experiment, GoesOnWhateverFileWasCutShort) {
     EXPECT_GE(cuts, 80);
 }
 
-TEST_F(Experiment, RecordsOfAnotherExperimentOrVersionAreNotTakenUp) {
+TEST_F(Experiment, RecordsOfAnotherExperimentOrVersionAreNotReused) {
     Run(Settings("whole", {"uniform"}));
     ExperimentSettings settings = Settings("out", {"uniform"});
     settings.samplesPerPixel = 8;
@@ -104,7 +104,7 @@ TEST_F(Experiment, RecordsOfAnotherExperimentOrVersionAreNotTakenUp) {
               ReadJson(folder_ / "whole/records/uniform/seed1-round02.json").at("metrics"));
 }
 
-TEST_F(Experiment, MoreSeedsGoOnAndFewerAreAPart) {
+TEST_F(Experiment, MoreSeedsResumeAndFewerAreAPart) {
     ExperimentSettings settings = Settings("out", {"uniform"});
     settings.seeds = 2;
     Run(settings);
@@ -121,7 +121,7 @@ TEST_F(Experiment, MoreSeedsGoOnAndFewerAreAPart) {
     EXPECT_EQ(SamplerOf(fewer, 0).at("runs").size(), 1u);
 }
 
-TEST_F(Experiment, OtherSettingsInTheSameFolderAreRefusedUntilRestart) {
+TEST_F(Experiment, OtherSettingsInTheSameFolderAreErrorsUntilRestart) {
     ExperimentSettings settings = Settings("out", {"uniform"});
     Run(settings);
     settings.samplesPerPixel = 2;

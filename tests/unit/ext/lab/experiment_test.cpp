@@ -157,7 +157,7 @@ TEST_F(Experiment, ErrorsAndVerdictsDoNotDependOnTheExposure) {
             }
 }
 
-TEST_F(Experiment, BiasedSamplerIsFoundAndNeverWins) {
+TEST_F(Experiment, BiasedSamplerIsDetectedAndNeverWins) {
     ExperimentSettings settings = Settings("out", {"uniform", "blind", "honest"});
     settings.samplesPerPixel = 32;
     settings.seeds = 4;

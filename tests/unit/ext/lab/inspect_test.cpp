@@ -39,7 +39,7 @@ std::string InspectedScene() {
                    .Quad("0 -9 0  0 9 0  0 -9 1  0 9 1"));
 }
 
-/// A uniform sampler whose inspected values tell the position of the query.
+/// A uniform sampler whose inspected values are the position of the query.
 class Telltale final : public test::WrappedSampler {
   public:
     explicit Telltale(const LightTable &lights) : WrappedSampler(uniform_), uniform_(lights.ByComponent()) {}
@@ -80,7 +80,7 @@ class Inspect : public test::FolderTest {
     std::unique_ptr<Telltale> sampler_;
 };
 
-TEST_F(Inspect, ShowsWhatAGuideKnowsAndHowLongPathsAre) {
+TEST_F(Inspect, HasLayersOfTheGuideAndOfPathLengths) {
     // All light comes from the spot's patch on the ceiling.
     const std::string spot =
         "LightSource 'spot' 'point3 from' [ 0 .6 0 ] 'point3 to' [ 1 2 1 ] 'rgb I' [ 60 60 60 ] 'float coneangle' 32 "
@@ -107,8 +107,8 @@ TEST_F(Inspect, ShowsWhatAGuideKnowsAndHowLongPathsAre) {
             share = std::max(share, At(inspection, x, y, "guide.guidingProbability"));
             shines += At(inspection, x, y, "guide.sourceRadiance") > -1;
             length += At(inspection, x, y, "path.vertices") / (32 * 32);
-            const double survival = At(inspection, x, y, "guide.continuationProbability");
-            EXPECT_TRUE(std::isnan(survival) || (survival >= 0.5 && survival <= 1)) << survival;
+            const double probability = At(inspection, x, y, "guide.continuationProbability");
+            EXPECT_TRUE(std::isnan(probability) || (probability >= 0.5 && probability <= 1)) << probability;
         }
     EXPECT_GT(share, 0.2);
     EXPECT_GT(shines, 5);
@@ -118,7 +118,7 @@ TEST_F(Inspect, ShowsWhatAGuideKnowsAndHowLongPathsAre) {
     EXPECT_EQ(InspectLights(built_, lights, nullptr, {}, progress).image.FindChannel("path.vertices"), -1);
 }
 
-TEST_F(Inspect, SeesTheFloorWhereItIs) {
+TEST_F(Inspect, PositionsAreThoseOfTheFloor) {
     Inspection inspection = MakeInspection();
     ASSERT_EQ(inspection.image.Resolution(), Point2i(32, 32));
     for (int y = 0; y < 32; ++y)
@@ -134,7 +134,7 @@ TEST_F(Inspect, SeesTheFloorWhereItIs) {
     EXPECT_EQ(inspection.structure, "two cells\n");
 }
 
-TEST_F(Inspect, SamplersOwnValuesAreWhatItSaysThere) {
+TEST_F(Inspect, SamplersOwnValuesAreThoseOfThePixel) {
     Inspection inspection = MakeInspection();
     double left = At(inspection, 10, 12, "sampler.x_place"), right = At(inspection, 20, 12, "sampler.x_place");
     EXPECT_NEAR(std::abs(left), 5.5 / 8, 1e-3);
@@ -210,7 +210,7 @@ TEST_F(Inspect, TooMuchWorkMeansFewerPixels) {
             }
 }
 
-TEST_F(Inspect, WritesEveryLayerAndSaysWhatItShows) {
+TEST_F(Inspect, WritesEveryLayerWithItsDescription) {
     Inspection inspection = MakeInspection();
     WriteInspection(inspection, folder_.string(), {{"sampler", "telltale"}});
     Image layers = ReadImage(Path("inspect.exr")).image;

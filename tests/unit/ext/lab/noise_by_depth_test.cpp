@@ -26,7 +26,7 @@ TEST(NoiseByDepth, DepthsEndWithTheLargest) {
     EXPECT_EQ(NoiseDepths(24), (std::vector<int>{1, 2, 3, 4, 6, 8, 12, 16, 24}));
 }
 
-TEST_F(Experiment, TellsWhichVertexBringsTheNoise) {
+TEST_F(Experiment, AttributesNoiseToPathDepth) {
     // A point light lights the floor without noise but that of colours. What a bounce from it finds on the second floor
     // above is noisy.
     Write("scene.pbrt", SceneText()

@@ -23,7 +23,7 @@ Image Grey(const std::vector<std::pair<double, Float>> &shares) {
 
 }  // namespace
 
-TEST(ChooseExposure, ShowsTheRoomAndNotItsWindow) {
+TEST(ChooseExposure, FitsTheRoomAndNotItsBrightWindow) {
     // A window covers a fifth of the picture and is a thousand times as bright.
     EXPECT_NEAR(ChooseExposure(Grey({{0.3, 0.02f}, {0.5, 0.05f}, {0.2, 50}})), 0.18 / 0.05, 1e-5);
     // Black pixels around the room do not count.

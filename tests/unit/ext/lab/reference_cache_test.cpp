@@ -27,7 +27,7 @@ double Difference(const Image &a, const Image &b) { return ImageError(a, b, Metr
 
 }  // namespace
 
-TEST_F(Experiment, ReferenceIsKeptInTheCacheAndFoundAgain) {
+TEST_F(Experiment, ReferenceIsKeptInTheCacheAndReused) {
     const ExperimentOutcome first = Run(Settings("one", {"uniform"}));
     const std::vector<fs::path> kept = ReferencesIn("cache");
     ASSERT_GE(kept.size(), 1u);
@@ -116,7 +116,7 @@ TEST_F(Experiment, ReferencesOfStockThatContradictEachOtherProveNothing) {
     ASSERT_EQ(conclusion.at("doubts").size(), 1u) << conclusion.dump();
     EXPECT_NE(conclusion.at("doubts").at(0).get<std::string>().find("prove no bias"), std::string::npos)
         << conclusion.dump();
-    // Such references rank no sampler, whichever seems to lead, and the terminal says so, too.
+    // Such references rank no sampler, whichever leads, and the terminal prints it, too.
     EXPECT_TRUE(conclusion.at("winner").is_null()) << conclusion.dump();
     EXPECT_NE(outcome.text.find("prove no bias"), std::string::npos) << outcome.text;
 }

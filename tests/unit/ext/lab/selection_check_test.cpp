@@ -107,13 +107,13 @@ TEST_F(SelectionCheck, AlsoIfItIsMissedInACornerOnly) {
     EXPECT_LT(report.worstDifference, -0.05);
 }
 
-TEST_F(SelectionCheck, ALampThatBsdfSamplingFindsIsNotLost) {
+TEST_F(SelectionCheck, ALightThatBsdfSamplingReachesIsNotLost) {
     // The integrator gives a BSDF sample the MIS weight 1 where the PMF of the light is 0.
     spoilt_.blindTo = LightsOf(false).front();
     EXPECT_EQ(Check(spoilt_).verdict, BiasVerdict::Clean) << Check(spoilt_).text;
 }
 
-TEST_F(SelectionCheck, ProbabilitiesThatDoNotAgreeAreSeen) {
+TEST_F(SelectionCheck, ProbabilitiesThatDoNotAgreeAreDetected) {
     spoilt_.claims = 1.2f;
     EXPECT_EQ(Check(spoilt_).verdict, BiasVerdict::Biased) << Check(spoilt_).text;
     spoilt_.claims = 1;
@@ -242,7 +242,7 @@ TEST(SelectionVerticesInFog, MeasureTheLightOfThePicture) {
     const double error =
         std::sqrt(Sqr(c.StandardError() / c.mean) + Sqr(d.StandardError() / d.mean)) + 0.002;  // that of the pictures
     EXPECT_LT(std::abs(measured / picture - 1), 4 * error) << picture << " " << measured;
-    EXPECT_LT(error, 0.012) << "too noisy to tell";
+    EXPECT_LT(error, 0.012) << "too noisy to compare";
 }
 
 /// Sixteen regions of paths with two vertices. The light varies by factors of up to a thousand; a sample finds it
@@ -266,7 +266,7 @@ std::vector<std::vector<VertexFinding>> Simulate(Rng &rng, int paths, double pro
     return regions;
 }
 
-TEST(SelectionVerdict, FalseAlarmsAreRareAndBiasIsSeen) {
+TEST(SelectionVerdict, FalseAlarmsAreRareAndBiasIsDetected) {
     Rng rng(5);
     int alarms = 0, seen = 0, tooMuch = 0;
     constexpr int kChecks = 400;

@@ -46,7 +46,7 @@ TEST(TileMeans, AreMeansOfTheColorChannels) {
 }
 
 // The relL2 that the average states for itself is its true one; here the truth is known.
-TEST(AverageImages, KnowsItsOwnNoise) {
+TEST(AverageImages, EstimatesItsOwnNoise) {
     Rng rng(3, 3);
     const int n = 6;
     Image truth(PixelFormat::Float, {80, 60}, {"R", "G", "B"});

@@ -12,7 +12,7 @@ using test::OnThreads, test::PatchCounts, test::Patches, test::QueryIn;
 
 class EmitterTreeOfSize : public testing::TestWithParam<PatchCounts> {};
 
-TEST_P(EmitterTreeOfSize, EveryEmitterIsInItOnceAndSampledAsItsPmfSays) {
+TEST_P(EmitterTreeOfSize, EveryEmitterIsInItOnceAndSampledByItsPmf) {
     const auto [count, far] = GetParam();
     const std::vector<Emitter> emitters = Patches(count, far);
     EmitterTree tree(emitters);

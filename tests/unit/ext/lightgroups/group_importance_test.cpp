@@ -113,7 +113,7 @@ TEST_P(GroupImportanceOfEveryLight, IsPositiveWhereALightContributes) {
 }
 INSTANTIATE_TEST_SUITE_P(GroupedOrNot, GroupImportanceOfEveryLight, testing::Bool());
 
-TEST(GroupImportance, SameNumbersHoweverAsked) {
+TEST(GroupImportance, OneGroupAndAllGroupsHaveTheSameNumbers) {
     const BuiltScene built = test::BuildText(kLights);
     const GroupImportance importance(built.scene->Lights().ByComponent());
     ASSERT_GT(importance.Size(), 8u);

@@ -74,7 +74,7 @@ TEST_P(LightTreeOfSize, ANodeCanBeChosenWhereverOneOfItsLightsCanContribute) {
     }
 }
 
-TEST_P(LightTreeOfSize, LightsBelowANodeAreSampledAsTheirPmfSays) {
+TEST_P(LightTreeOfSize, LightsBelowANodeAreSampledByTheirPmf) {
     const auto [count, far] = GetParam();
     const LightTree tree(Patches(count, far));
     Rng rng(3);

@@ -38,7 +38,7 @@ class MeshInteriorOfSize : public testing::TestWithParam<int> {
     const MeshInterior interior_{lights_.ByLight()};
 };
 
-TEST_P(MeshInteriorOfSize, SamplesAsItsPmfSays) {
+TEST_P(MeshInteriorOfSize, SamplesFollowThePmf) {
     ASSERT_EQ(lights_.ByLight().Size(), 1u);
     const LightQuery q = Above({0.4f, 2.2f, 0.3f});
 

@@ -53,7 +53,7 @@ TEST(LightOctree, CellsContainTheirPointsAndHoldAtMostFourNOverT) {
     EXPECT_LT(tree.LeafCount(), 2000u);
 }
 
-TEST(LightOctree, LeavesAreVisitedOnceAndKnowHowManyPointsTheyHold) {
+TEST(LightOctree, LeavesAreVisitedOnceWithTheirNumberOfPoints) {
     std::vector<Point3> points = CrowdedPoints(20000);
     LightOctreeBuilder builder(kBounds, points, 256);
     LightOctree tree = builder.Build(1, [](uint32_t, std::span<double> sum) { sum[0] += 1; });
@@ -115,7 +115,7 @@ TEST(LightOctree, EmptyAndDarkCellsUseAnAncestor) {
     EXPECT_EQ(tree.Cdf(tree.Row(points[0]))[0], 0.f);
 }
 
-TEST(LightOctree, NothingSeenAnywhereGivesEqualShares) {
+TEST(LightOctree, WithoutVisibleLightProbabilitiesAreEqual) {
     std::vector<Point3> points = CrowdedPoints(500);
     LightOctreeBuilder builder(kBounds, points, 64);
     LightOctree tree = builder.Build(4, [](uint32_t, std::span<double>) {});

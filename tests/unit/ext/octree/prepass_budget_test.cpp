@@ -26,7 +26,7 @@ TEST(PrepassBudget, ShortRendersToo) {
     EXPECT_DOUBLE_EQ(wanted.Share(), 0.625);
 }
 
-TEST(PrepassBudget, FirstVerticesAndLastTriesAreCounted) {
+TEST(PrepassBudget, TheMinimumAndTheMaximumHold) {
     // The minimum of 2,000 vertices costs between 1 and 1.25 times the budget.
     const PrepassBudget few = Render(4, 4, 100 * 100, 44);
     EXPECT_GT(few.Share(), 0.01);

@@ -22,7 +22,7 @@ struct Record {
     }
 };
 
-/// Every path of samples [first, end) adds a record at each of three vertices, which tells the path.
+/// Every path of samples [first, end) adds a record at each of three vertices, which identifies the path.
 std::vector<Record> Collect(const RecordedPaths &paths, PathRecordStore<Record> &store, int first, int end,
                             bool backwards) {
     ParallelForEach(kCount, [&](int64_t i) {

@@ -42,7 +42,7 @@ double FactorOf(const LightTree &tree, const CellCut &cut, uint32_t lamp) {
     return double(cut.Factors()[tree.FindInCut(cut.Nodes(), tree.PositionOf(lamp))]);
 }
 
-TEST(CellCut, WithoutTriesAllLightsAreAlike) {
+TEST(CellCut, WithoutShadowRaysAllLightsAreAlike) {
     const LightTree tree = Clouds();
     const CellCut cut = Cut(tree, {});
     for (uint32_t lamp = 0; lamp < 64; ++lamp) EXPECT_NEAR(FactorOf(tree, cut, lamp), 1, 1e-6) << lamp;
@@ -60,7 +60,7 @@ TEST(CellCut, NeighboursLearnFromEachOther) {
     }
 }
 
-TEST(CellCut, ManyTriesOutweighTheNeighbours) {
+TEST(CellCut, ManyShadowRaysOutweighTheNeighbours) {
     // Of cloud 0 only lamp 5 is seen; of cloud 1 all but lamp 20.
     const LightTree tree = Clouds();
     const CellCut cut = Cut(
@@ -71,7 +71,7 @@ TEST(CellCut, ManyTriesOutweighTheNeighbours) {
     EXPECT_LT(FactorOf(tree, cut, 20), 0.15);
 }
 
-TEST(CellCut, WhatWasNotLookedAtComesFromTheCellAbove) {
+TEST(CellCut, UntestedLightsTakeTheFactorsOfTheParentCell) {
     const LightTree tree = Clouds();
     const CellCut above = Cut(tree, Tries(tree, 500, [](uint32_t lamp) { return lamp % 2 ? 1.0 : 0.05; }));
     // A cell without shadow rays takes the factors of the cell above. Some lamps of cloud 3 are found half as bright as

@@ -1,4 +1,4 @@
-// Learned structures from files: each fault is refused, although checksum and hashes fit.
+// Learned structures from files: each fault is detected, although checksum and hashes fit.
 #include <gtest/gtest.h>
 
 #include "ext/visibility/visibility_records.h"
@@ -52,7 +52,7 @@ std::vector<uint32_t> NodesOf(const std::string &bytes) {
     return nodes;
 }
 
-TEST(Validate, AnOctreeThatLookUpsWouldNotLeaveIsRefused) {
+TEST(Validate, AnOctreeWithEndlessLookUpsIsInvalid) {
     const std::string saved = BytesOf(Tree());
     ASSERT_EQ(Fault<VisibilityTree>(saved), "");
     const std::vector<uint32_t> nodes = NodesOf(saved);
@@ -73,7 +73,7 @@ TEST(Validate, AnOctreeThatLookUpsWouldNotLeaveIsRefused) {
     }
 }
 
-TEST(Validate, AChangedLeafIsRefusedByTheHash) {
+TEST(Validate, TheHashDetectsAChangedLeaf) {
     const std::string saved = BytesOf(Tree());
     const std::vector<uint32_t> nodes = NodesOf(saved);
     for (uint32_t i = 0; i < nodes.size(); ++i)
@@ -85,7 +85,7 @@ TEST(Validate, AChangedLeafIsRefusedByTheHash) {
         }
 }
 
-TEST(Validate, LookUpsLeaveTheDeepestOctreeOnly) {
+TEST(Validate, OneLevelBelowTheDeepestOctreeIsInvalid) {
     // A chain of first children, one level deeper than positions have bits.
     for (const bool isTooDeep : {false, true}) {
         CellOctree cells(kUnitBox);
@@ -98,7 +98,7 @@ TEST(Validate, LookUpsLeaveTheDeepestOctreeOnly) {
     EXPECT_TRUE(CellOctree(kUnitBox).ValidateLeaves(2, 2, 0)) << "a row without a leaf";
 }
 
-TEST(Validate, AnOctreeIsRefusedWithEveryWrongRow) {
+TEST(Validate, EveryWrongRowMakesAnOctreeInvalid) {
     const std::string saved = BytesOf(Tree());
     const size_t offsetsAt = kNodesAt + 2 * sizeof(uint64_t) + NodesOf(saved).size() * sizeof(uint32_t);
     StateReader reader(std::string_view(saved).substr(offsetsAt), "offsets");
@@ -123,7 +123,7 @@ TEST(Validate, LengthsAreCheckedBeforeMemoryIsTaken) {
         EXPECT_NE(Fault<VisibilityTree>(saved.substr(0, bytes)), "") << bytes;
 }
 
-TEST(Validate, RecordsOfNoLightOrPlaceAreRefused) {
+TEST(Validate, RecordsWithoutLightOrPlaceAreInvalid) {
     const VisibilityRecords good = Records();
     EXPECT_FALSE(good.ValidateFor(2, nullptr));
     EXPECT_TRUE(good.ValidateFor(1, nullptr)) << "the second light does not exist";

@@ -136,7 +136,7 @@ struct ManyLights {
     }
 };
 
-TEST(VisibilityTree, ManyLightsAreToldApartWhereTheyMatter) {
+TEST(VisibilityTree, ManyLightsAreSeparatedWhereTheyMatter) {
     const ManyLights lights;
     const VisibilityTree tree = lights.Build();
     for (uint32_t r = 0; r < tree.RowCount(); ++r) {
@@ -190,7 +190,7 @@ TEST(VisibilityTree, NoRecordsAreFine) {
     EXPECT_GT(FactorAt(tree, Point3(0.5f), 1), 0);
 }
 
-/// Builds again and again, and asks each build to stop at a later step. Every stopped build must end without a tree,
+/// Builds again and again, and stops each build at a later step. Every stopped build must end without a tree,
 /// and the last build, which is not stopped, must give the whole one.
 template <class MakeBuilder>
 void ExpectStopsEverywhere(MakeBuilder &&make) {
@@ -199,11 +199,11 @@ void ExpectStopsEverywhere(MakeBuilder &&make) {
     ASSERT_GT(questions, 100);
     for (int step = 0; step <= 20; ++step) {
         const int last = std::max(1, questions * step / 20);
-        int asked = 0;
-        // The callback returns true only once: the build must stop then and not ask again.
-        const std::optional<VisibilityTree> stopped = make()->Build([&] { return ++asked == last; });
+        int calls = 0;
+        // The callback returns true only once: the build must stop then and not call it again.
+        const std::optional<VisibilityTree> stopped = make()->Build([&] { return ++calls == last; });
         EXPECT_FALSE(stopped) << "at question " << last << " of " << questions;
-        EXPECT_EQ(asked, last) << "the build asked again after it was told to stop";
+        EXPECT_EQ(calls, last) << "the build went on after the stop";
     }
     const std::optional<VisibilityTree> built = make()->Build([] { return false; });
     ASSERT_TRUE(built);

@@ -123,7 +123,7 @@ TEST(Accel, SegmentsEndBeforeTheirTarget) {
     EXPECT_FALSE(accel.Occluded({{0.2f, 0.1f, 0}, up, 2.0001f})) << "on the surface";
 }
 
-TEST(Accel, WhatIsNoRayHitsNothingAndSeesNoLight) {
+TEST(Accel, InvalidRaysHitNothingAndReachNoLight) {
     Shapes shapes = EveryKind(Transform());
     const AccelOf accel(shapes);
     constexpr Float kNan = std::numeric_limits<Float>::quiet_NaN();

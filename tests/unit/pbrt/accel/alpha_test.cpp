@@ -97,7 +97,7 @@ TEST(Alpha, TextureIsReadAtTheHit) {
         }
 }
 
-TEST(Alpha, FartherSurfaceIsFoundThroughAHole) {
+TEST(Alpha, RaysHitTheFartherSurfaceThroughAHole) {
     HalfAlpha texture;
     Sphere sphere(1, -1, 1, 360, Transform(), false);  // the half u < 1/2 is y > 0
     const AccelOf accel(sphere, &texture);

@@ -26,11 +26,11 @@ struct TellingScene {
     }
 };
 
-TEST(PassedHits, ShadowRaysTellAllThatClosestHitsFindOneByOne) {
+TEST(PassedHits, ShadowRaysListTheHitsOfSuccessiveClosestHits) {
     const TellingScene scene;
     Rng rng(9);
     const Bounds3 b = scene.accel.Bounds();
-    int told = 0, overflows = 0, different = 0;
+    int listed = 0, overflows = 0, different = 0;
     for (int i = 0; i < 8000; ++i) {
         Ray ray = RandomRay(rng, b);
         ray.d *= 2;
@@ -43,13 +43,13 @@ TEST(PassedHits, ShadowRaysTellAllThatClosestHitsFindOneByOne) {
             EXPECT_EQ(next->hit.t, hit.hit.t) << i;
             different += next->shape != hit.shape || next->primitive != hit.primitive || next->instance != hit.instance;
             tMin = hit.hit.t;
-            ++told;
+            ++listed;
         }
         EXPECT_EQ(scene.accel.Intersect(ray, std::nextafter(tMin, Infinity)).has_value(), passed.HasDropped()) << i;
         overflows += passed.HasDropped();
     }
-    EXPECT_LE(different, told / 1000);  // surfaces at the same distance
-    EXPECT_GT(told, 8000);
+    EXPECT_LE(different, listed / 1000);  // surfaces at the same distance
+    EXPECT_GT(listed, 8000);
     EXPECT_GT(overflows, 100);
 }
 

@@ -42,7 +42,7 @@ Outcome Try(const std::string &text, const BuildOptions &options = {}) {
     return outcome;
 }
 
-TEST(BuildScene, TakesSeedAndJitterFromTheSceneUnlessFlagsSaySo) {
+TEST(BuildScene, FlagsOverrideSeedAndJitterOfTheScene) {
     const std::string text = Text("Option 'seed' 5 Option 'disablepixeljitter' true", kBall);
     BuildOptions options;
     BuiltScene built = BuildText(text, options);
@@ -164,7 +164,7 @@ TEST(BuildScene, MoreRgbFilmsLikeTheScenes) {
     EXPECT_EQ(film->MakeRgbFilm()->ToImage().Get({0, 0}, 1), 0);
 }
 
-TEST(BuildScene, AllMistakesAreToldAtOnce) {
+TEST(BuildScene, AllMistakesAreReportedAtOnce) {
     const Outcome outcome = Try(Text("Camera 'perspective' 'float fov' 500 Sampler 'soboll'",
                                      "Material 'metal'\nShape 'spere'\nLightSource 'pont'\n"
                                      "Texture 't' 'float' 'checkered'"));
@@ -173,7 +173,7 @@ TEST(BuildScene, AllMistakesAreToldAtOnce) {
         EXPECT_EQ(outcome.Count(word), 1) << word;
 }
 
-TEST(BuildScene, AMistakeInAFlagIsToldBeforeShapesAreRead) {
+TEST(BuildScene, AMistakeInAFlagIsReportedBeforeShapesAreRead) {
     BuildOptions options;
     options.lightSampler = "unifrom";
     const Outcome outcome = Try(Text("Sampler 'soboll'", "Shape 'spere'"), options);
@@ -187,7 +187,7 @@ TEST(BuildScene, NoLightIsAWarning) {
     EXPECT_EQ(Try(Text("", std::string(kBall) + kLamp)).Count("no lights"), 0);
 }
 
-TEST(BuildScene, TheNameOfAPictureTellsWhatIsLeftOut) {
+TEST(BuildScene, TheNameOfTheImageHasASuffixIfPartsAreLeftOut) {
     const std::string medium = "MakeNamedMedium 'fog' 'string type' 'homogeneous'\n";
     const std::string text = SceneText().Head("Film 'rgb' 'string filename' 'a/b.exr'").Head(medium).World(kLamp);
     EXPECT_EQ(BuildText(text).filename, "a/b.exr");
@@ -202,7 +202,7 @@ TEST(BuildScene, TheNameOfAPictureTellsWhatIsLeftOut) {
     EXPECT_EQ(BuildText(Text("", kLamp)).filename, "pbrt.exr");
 }
 
-TEST(BuildScene, AnOutputThatCannotBeWrittenIsToldFirst) {
+TEST(BuildScene, AnUnwritableOutputIsReportedFirst) {
     BuildOptions options;
     options.film.filename = "/nowhere/at/all.exr";
     EXPECT_TRUE(Try(Text("", kLamp), options).isBuilt);

@@ -18,7 +18,7 @@ struct Built {
     DiagnosticSink sink;
 
     explicit Built(const std::string &text) {
-        SceneDescription d = ParseSceneText(Quoted(text), sink);
+        SceneDescription d = ParseSceneText(text, sink);
         renderFromWorld = PlaceCamera(d, {}, sink).renderFromWorld;
         media = MakeMedia(d, renderFromWorld, sink);
     }
@@ -32,11 +32,14 @@ std::string Grid(const std::string &name) {
     return "MakeNamedMedium '" + name + "' 'string type' 'uniformgrid' 'float density' [ 2 ]\n";
 }
 
-TEST(MediumBuilder, MediaStandWhereTheSceneSaysWhereverTheyAreDefined) {
+TEST(MediumBuilder, MediaTakeTheTransformationOfTheirPlaceInTheFile) {
     // Before the camera, between camera and world, and in the world. The camera is at (10, 20, 30).
-    const Built all("Translate 4 5 6\n" + Grid("early") +
-                    "Identity\nLookAt 10 20 30 0 0 0 0 1 0\nCamera 'perspective'\nIdentity\nTranslate 7 5 6\n" +
-                    Grid("middle") + "WorldBegin\nTranslate 10 5 6 Scale 2 2 2\n" + Grid("late"));
+    const Built all(SceneText()
+                        .Head("Translate 4 5 6\n" + Grid("early") + "Identity")
+                        .LookAt("10 20 30 0 0 0 0 1 0")
+                        .Camera("perspective")
+                        .Head("Identity Translate 7 5 6\n" + Grid("middle"))
+                        .World("Translate 10 5 6 Scale 2 2 2\n" + Grid("late")));
     ASSERT_FALSE(all.sink.HasErrors());
     EXPECT_NEAR(all.DensityAt("early", {4.5f, 5.5f, 6.5f}), 2, 1e-4f);
     EXPECT_NEAR(all.DensityAt("early", {4.25f, 5.5f, 6.5f}), 1.5f, 1e-4f);
@@ -46,10 +49,11 @@ TEST(MediumBuilder, MediaStandWhereTheSceneSaysWhereverTheyAreDefined) {
     EXPECT_FALSE(all.media.Find(""));
 }
 
-TEST(MediumBuilder, MistakesOfUnusedMediaAreFound) {
+TEST(MediumBuilder, MistakesInUnusedMediaAreReported) {
     const Built built(
-        "WorldBegin\nMakeNamedMedium 'a' 'string type' 'homogeneous' 'float g' 3\n"
-        "MakeNamedMedium 'b' 'string type' 'cloudd' MakeNamedMedium 'c' 'string type' 'homogeneous'\n");
+        SceneText().World("MakeNamedMedium 'a' 'string type' 'homogeneous' 'float g' 3\n"
+                          "MakeNamedMedium 'b' 'string type' 'cloudd' "
+                          "MakeNamedMedium 'c' 'string type' 'homogeneous'\n"));
     EXPECT_EQ(built.sink.ErrorCount(), 2u);
     EXPECT_EQ(built.media.media.size(), 1u);
     EXPECT_FALSE(built.media.Find("a"));

@@ -12,7 +12,7 @@ namespace {
 
 SceneDescription Parse(const std::string &text) {
     DiagnosticSink sink;
-    SceneDescription description = ParseSceneText(test::Quoted(text) + "\nWorldBegin\n", sink);
+    SceneDescription description = ParseSceneText(test::SceneText().Head(text).World(), sink);
     sink.ThrowIfErrors();
     return description;
 }
@@ -86,7 +86,7 @@ TEST(PlaceCamera, ACameraWithoutAPlaceIsAnErrorAtItsDirective) {
     ExpectPoint(placement.renderFromWorld.Point({1, 2, 3}), {1, 2, 3});
 }
 
-TEST(MakeView, TakesWhatTheSceneSays) {
+TEST(MakeView, TakesTheParametersOfTheScene) {
     const RenderView view = ViewOf(
         "Film 'gbuffer' 'integer xresolution' 40 'integer yresolution' 30 'float diagonal' 20\n"
         "Sampler 'independent' 'integer pixelsamples' 7\nPixelFilter 'triangle' 'float xradius' 3\n"

@@ -31,14 +31,14 @@ TEST(HenyeyGreenstein, MeanCosineOfDeflectionIsG) {
             const HenyeyGreenstein::Sample sample = phase.SampleP(wo, rng.Uniform2());
             EXPECT_NEAR(Length(sample.wi), 1, 1e-5f);
             const Float p = phase.P(wo, sample.wi);
-            EXPECT_NEAR(sample.p, p, 1e-2f * p);  // rounded in another order, which tells at the peaks
+            EXPECT_NEAR(sample.p, p, 1e-2f * p);  // rounded in another order, which matters at the peaks
             cosine.Add(double(Dot(-wo, sample.wi)));
         }
         EXPECT_LT(std::abs(cosine.Z(double(g))), 4) << g;
     }
 }
 
-TEST(HenyeyGreenstein, LightGoesOnWhereGIsAboveZero) {
+TEST(HenyeyGreenstein, ScattersForwardWhereGIsAboveZero) {
     const Vector3 wo(0, 0, 1);
     EXPECT_GT(HenyeyGreenstein(0.5f).P(wo, -wo), 5 * HenyeyGreenstein(0.5f).P(wo, wo));
     EXPECT_GT(HenyeyGreenstein(-0.5f).P(wo, wo), 5 * HenyeyGreenstein(-0.5f).P(wo, -wo));

@@ -303,7 +303,7 @@ TEST(Layered, TablesHoldTheMeanOfTheWalks) {
     EXPECT_GT(std::abs(ZOfTable(walks.Lobe(), wrong.Lobe(), 1, 7)), zMax);
 }
 
-TEST(Layered, TablesAreUsedOnlyForTheCoatsTheyKnow) {
+TEST(Layered, TablesAreUsedOnlyForTheirCoats) {
     const auto one = CoatTable::Shared(1.5f, 0.01f, 0.3f), all = CoatTable::Shared(1.5f, 0.01f, {});
     EXPECT_EQ(one, CoatTable::Shared(1.5f, 0.01f, 0.3f));
     auto uses = [](const CoatTable &table, Float ax, Float ay, Float albedo) {

@@ -14,7 +14,7 @@ namespace {
 constexpr TransportMode kImportance = TransportMode::Importance;
 constexpr ReflTransFlags kSides[] = {ReflTransFlags::Reflection, ReflTransFlags::Transmission, ReflTransFlags::All};
 
-/// The sides that a lobe can be asked to sample.
+/// The sides to sample.
 template <class Lobe>
 std::span<const ReflTransFlags> SidesOf(const Lobe &) {
     return std::span(kSides).last(std::is_same_v<Lobe, DielectricBxdf> ? 3 : 1);
@@ -317,7 +317,7 @@ TEST(DiffuseTransmission, SidesAreDrawnByTheLargestValues) {
     EXPECT_FLOAT_EQ(t->f[0], 0.6f * InvPi);
 }
 
-TEST(Lobes, FlagsTellSmoothFromRough) {
+TEST(Lobes, FlagsSeparateSmoothFromRough) {
     EXPECT_EQ(Gold(0, 0).Flags(), BxdfFlags::Reflection | BxdfFlags::Specular);
     EXPECT_EQ(Gold(0, 0.1f).Flags(), BxdfFlags::Reflection | BxdfFlags::Glossy);
     EXPECT_EQ(DiffuseBxdf(SampledSpectrum(0)).Flags(), BxdfFlags::None);

@@ -25,7 +25,7 @@ TEST(CameraConnection, IsTheRayOfItsPlaceAndThePixelsAreaThere) {
         Rng rng(3);
         for (int i = 0; i < 200; ++i) {
             const Point2 film = rng.Uniform2() * Point2(39, 19) + Point2(0.5f, 0.5f), lens = rng.Uniform2();
-            // The equal-area map has creases, across which nothing can be said of a pixel.
+            // The equal-area map has creases, across which a pixel has no defined area.
             if (name == "equal-area" &&
                 std::min({std::abs(film.x - film.y), std::abs(film.x - 20), std::abs(film.y - 20),
                           std::abs(film.x + film.y - 20), std::abs(film.x + film.y - 40)}) < 0.1f)
@@ -70,7 +70,7 @@ TEST(CameraConnection, HasTheWeightOfTheRaysDirection) {
 }
 
 /// The importance of all directions together is that of all pixels.
-TEST(CameraConnection, ASphericalCameraSeesAllDirections) {
+TEST(CameraConnection, ASphericalCameraConnectsToAllDirections) {
     for (const char *mapping : {"equalarea", "equirectangular"}) {
         const auto camera = MakeTestCamera("spherical", Params().String("mapping", mapping), {40, 20});
         Rng rng(4);
@@ -87,7 +87,7 @@ TEST(CameraConnection, ASphericalCameraSeesAllDirections) {
     }
 }
 
-TEST(CameraConnection, ThePictureOfASphericalCameraGoesOnBeyondItsEdges) {
+TEST(CameraConnection, SphericalImagesContinueBeyondTheirEdges) {
     for (const char *mapping : {"equalarea", "equirectangular"}) {
         const auto camera = MakeTestCamera("spherical", Params().String("mapping", mapping), {40, 40});
         Rng rng(5);

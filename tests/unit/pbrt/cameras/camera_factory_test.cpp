@@ -9,7 +9,7 @@ std::string CameraError(const std::string &type, const ParamSet &params = Params
     return MessageOf([&] { MakeTestCamera(type, params); });
 }
 
-TEST(MakeCamera, KnownAndUnknownTypes) {
+TEST(MakeCamera, ValidAndUnknownTypes) {
     for (const std::string &name : Cameras().Names())
         if (name != "realistic") {  // "realistic" needs a lens file
             EXPECT_TRUE(MakeTestCamera(name)) << name;
@@ -42,27 +42,27 @@ TEST(MakeCamera, UnusedParametersAreErrors) {
 }
 
 TEST(MakeCamera, NumbersOutsideTheirRangesAreErrors) {
-    const auto says = [](const std::string &type, const std::string &name, std::vector<Float> v,
-                         std::vector<std::string> words) {
+    const auto expectWords = [](const std::string &type, const std::string &name, std::vector<Float> v,
+                                std::vector<std::string> words) {
         words.push_back("\"" + name + "\"");
         ExpectWords(CameraError(type, Params().Floats(ParamType::Float, name, std::move(v))), words);
     };
-    says("perspective", "fov", {0}, {"above 0"});
-    says("perspective", "fov", {180}, {"180", "above 0", "below 180"});
-    says("perspective", "lensradius", {-1}, {"at least 0"});
-    says("perspective", "frameaspectratio", {0}, {"at most 1000000"});
-    says("perspective", "focaldistance", {0}, {"above 0"});
+    expectWords("perspective", "fov", {0}, {"above 0"});
+    expectWords("perspective", "fov", {180}, {"180", "above 0", "below 180"});
+    expectWords("perspective", "lensradius", {-1}, {"at least 0"});
+    expectWords("perspective", "frameaspectratio", {0}, {"at most 1000000"});
+    expectWords("perspective", "focaldistance", {0}, {"above 0"});
     EXPECT_NE(CameraError("perspective", Params().Floats(ParamType::Float, "screenwindow", {-1, 1, -1})), "");
-    says("orthographic", "screenwindow", {1, 1, -1, 1}, {});
-    says("perspective", "lensradius", {1e30f}, {"1e+30", "at least 0"});
-    says("perspective", "frameaspectratio", {1e30f}, {"at most 1000000"});
+    expectWords("orthographic", "screenwindow", {1, 1, -1, 1}, {});
+    expectWords("perspective", "lensradius", {1e30f}, {"1e+30", "at least 0"});
+    expectWords("perspective", "frameaspectratio", {1e30f}, {"at most 1000000"});
     for (const char *type : {"perspective", "orthographic", "spherical", "realistic"}) {
-        says(type, "shutterclose", {2e9f}, {"2000000000", "at least -1000000000", "at most 1000000000"});
-        says(type, "shutteropen", {-2e9f}, {"-2000000000"});
-        says(type, "shutterclose", {Infinity}, {"inf"});
-        says(type, "shutteropen", {std::nanf("")}, {"nan"});
+        expectWords(type, "shutterclose", {2e9f}, {"2000000000", "at least -1000000000", "at most 1000000000"});
+        expectWords(type, "shutteropen", {-2e9f}, {"-2000000000"});
+        expectWords(type, "shutterclose", {Infinity}, {"inf"});
+        expectWords(type, "shutteropen", {std::nanf("")}, {"nan"});
     }
-    says("orthographic", "screenwindow", {-1, 1e30f, -1, 1}, {"\"screenwindow\" is 1e+30"});
+    expectWords("orthographic", "screenwindow", {-1, 1e30f, -1, 1}, {"\"screenwindow\" is 1e+30"});
     ExpectWords(CameraError("spherical", Params().String("mapping", "cube")), {"equirectangular"});
     // The focal distance is used only with a lens; without one, any value is accepted.
     EXPECT_EQ(CameraError("perspective", Params().Number("focaldistance", 1e30f)), "");

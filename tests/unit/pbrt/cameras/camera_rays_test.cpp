@@ -110,7 +110,7 @@ TEST(OrthographicCamera, RaysAreParallelAndScreenIsInWorldUnits) {
     EXPECT_EQ(b.ray.d, Vector3(0, 0, 1));
 }
 
-TEST(SphericalCamera, MappingsLookWhereTheyShould) {
+TEST(SphericalCamera, DirectionsOfTheMappings) {
     auto lat = MakeTestCamera("spherical", Params().String("mapping", "equirectangular"), {40, 20});
     ExpectClose(RayAt(*lat, {0, 10}).ray.d, {1, 0, 0}, 1e-6f, "left edge");
     ExpectClose(RayAt(*lat, {10, 10}).ray.d, {0, 0, 1}, 1e-6f, "quarter");

@@ -154,7 +154,7 @@ TEST(ExitPupil, SamplesTurnWithTheFilmPointAndFillTheRectangle) {
     }
 }
 
-TEST(ExitPupil, TinyStopsAreFound) {
+TEST(ExitPupil, TinyStopsHaveTinyPupils) {
     std::vector<LensElement> elements = DoubleGauss();
     for (LensElement &e : elements)
         if (e.IsStop()) e.apertureRadius = 0.0002f;

@@ -133,7 +133,7 @@ TEST(Describe, WhatIsNotGivenKeepsItsDefault) {
     EXPECT_FALSE(s.width || s.bounds);
 }
 
-TEST(Describe, AllThatIsWrongIsToldAtOnceAndInItsPlace) {
+TEST(Describe, AllErrorsAreReportedAtOnceWithTheirPlaces) {
     Params given("Thing \"x\"");
     given.Integer("leaves", 0).Number("angle", 180).String("mode", "c").String("mesh", "").String("wrap", "blak");
     given.Number("width", 0).Integer("bounds", 1).Floats(ParamType::Point3, "from", {1, 2}).Point("points", {1, 2, 6});

@@ -17,7 +17,7 @@ TEST(Format, QuotesTheLineAndPutsTheCaretUnderTheColumn) {
     EXPECT_EQ(Format({Severity::Warning, At("\tx\r\n", 1, 1), "Hm."}), "Warning: f.pbrt:1:1: Hm.\n     x\n     ^");
 }
 
-TEST(Format, LeavesOutWhatItDoesNotKnow) {
+TEST(Format, LeavesOutPartsWithoutAPlace) {
     EXPECT_EQ(Format({Severity::Error, {}, "Bad."}), "Error: Bad.");
     EXPECT_EQ(Format({Severity::Error, At("text", 0, 0), "Bad."}), "Error: f.pbrt: Bad.");
     EXPECT_EQ(Format({Severity::Error, At("text", 9, 0), "Bad."}), "Error: f.pbrt:9:0: Bad.")

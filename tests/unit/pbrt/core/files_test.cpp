@@ -37,7 +37,7 @@ TEST_F(Files, PlainAndCompressedContentsAreTheSame) {
     EXPECT_EQ(ReadFileContents(Write("empty", "")), "");
 }
 
-TEST_F(Files, UnreadableFilesSayWhy) {
+TEST_F(Files, ErrorsOfUnreadableFilesHaveTheReason) {
     auto reason = [](const std::string &path) { return MessageOf([&] { ReadFileContents(path); }); };
     test::ExpectWords(reason(Path("none")), {"No such file"});
     test::ExpectWords(reason(folder_.string()), {"is a directory"});
@@ -46,7 +46,7 @@ TEST_F(Files, UnreadableFilesSayWhy) {
     EXPECT_NE(reason(path), "");
 }
 
-TEST_F(Files, NamesAreLookedForBesideTheSceneFirst) {
+TEST_F(Files, NamesAreResolvedBesideTheSceneFirst) {
     std::string here = Write("x.png", "");
     FileResolver resolver(folder_);
     EXPECT_EQ(resolver.Resolve("x.png"), here);
@@ -56,7 +56,7 @@ TEST_F(Files, NamesAreLookedForBesideTheSceneFirst) {
 }
 
 // A gzip bomb: some kilobytes that unpack to any number of bytes.
-TEST_F(Files, WhatDoesNotFitIntoMemoryIsRefusedBeforeItIsRead) {
+TEST_F(Files, WhatDoesNotFitIntoMemoryThrowsBeforeItIsRead) {
     const std::string large(100 << 20, 'x');
     auto little = [] { return 50e6; };
     for (const std::string &path : {Gzip("bomb.gz", large), Write("plain", large)}) {

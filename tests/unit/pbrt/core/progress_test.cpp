@@ -2,12 +2,15 @@
 
 #include <gtest/gtest.h>
 
+#include <functional>
 #include <vector>
 
-#include "support/wait.h"
+#include "support/test_clock.h"
 
 namespace pbrt {
 namespace {
+
+using std::chrono::milliseconds;
 
 struct RecordingSink : ProgressSink {
     struct Shown {
@@ -20,28 +23,30 @@ struct RecordingSink : ProgressSink {
         shown.push_back({phase, fraction, remaining});
     }
     void PhaseDone(const std::string &phase, double) override { done.push_back(phase); }
-    /// Waits until something is shown of a phase that goes on.
-    bool IsShown(Progress &progress) const {
-        return test::WaitUntil([&] {
-            progress.Advance(0);
-            return !shown.empty();
-        });
-    }
 };
 
 TEST(Progress, ShowsFractionsOfThePhaseNotTooOften) {
     RecordingSink sink;
-    Progress progress(&sink);
+    test::TestClock clock;
+    Progress progress(&sink, std::ref(clock));
     progress.BeginPhase("building", 1000);
-    for (int i = 0; i < 100; ++i) progress.Advance();
+    for (int i = 0; i < 99; ++i) progress.Advance();
     EXPECT_TRUE(sink.shown.empty()) << "a very short phase must show nothing";
-    EXPECT_TRUE(sink.IsShown(progress));
-    for (int i = 0; i < 400; ++i) progress.Advance();
+    clock.Advance(milliseconds(100));
+    progress.Advance();
+    for (int i = 0; i < 399; ++i) progress.Advance();
     ASSERT_EQ(sink.shown.size(), 1u);
     EXPECT_EQ(sink.shown[0].phase, "building");
     EXPECT_NEAR(sink.shown[0].fraction, 0.1, 1e-9);
-    EXPECT_GT(sink.shown[0].remaining, 0);
-    EXPECT_GT(progress.EndPhase(), 0.1);
+    EXPECT_NEAR(sink.shown[0].remaining, 0.9, 1e-9);
+    clock.Advance(milliseconds(199));
+    progress.Advance();
+    EXPECT_EQ(sink.shown.size(), 1u);
+    clock.Advance(milliseconds(1));
+    progress.Advance(0);
+    ASSERT_EQ(sink.shown.size(), 2u);
+    EXPECT_NEAR(sink.shown[1].fraction, 0.5, 1e-9);
+    EXPECT_NEAR(progress.EndPhase(), 0.3, 1e-9);
     EXPECT_EQ(sink.done, std::vector<std::string>{"building"});
 }
 
@@ -58,24 +63,29 @@ TEST(Progress, WorksWithoutASinkAndCancels) {
 
 TEST(Progress, APhaseInsideAnotherIsAPartOfIt) {
     RecordingSink sink;
-    Progress progress(&sink);
+    test::TestClock clock;
+    Progress progress(&sink, std::ref(clock));
     progress.BeginPhase("preparing", 0);
-    std::this_thread::sleep_for(std::chrono::milliseconds(41));
+    clock.Advance(milliseconds(40));
     progress.BeginPhase("prepass", 10);
+    clock.Advance(milliseconds(5));
     progress.BeginPhase("tiles", 10);
-    EXPECT_LT(progress.EndPhase(), 0.02);
-    EXPECT_LT(progress.EndPhase(), 0.02);
+    clock.Advance(milliseconds(10));
+    EXPECT_NEAR(progress.EndPhase(), 0.01, 1e-9);
+    EXPECT_NEAR(progress.EndPhase(), 0.015, 1e-9);
     progress.SetTotal(100);
     progress.Advance(50);
     progress.Advance(25);
-    EXPECT_TRUE(sink.IsShown(progress));
+    EXPECT_TRUE(sink.shown.empty());
+    clock.Advance(milliseconds(100));
+    progress.Advance(0);
     ASSERT_EQ(sink.shown.size(), 1u);
     EXPECT_EQ(sink.shown[0].phase, "preparing");
     EXPECT_NEAR(sink.shown[0].fraction, 0.75, 1e-9) << "all work of the phase so far counts";
-    EXPECT_GE(progress.EndPhase(), 0.14);
+    EXPECT_NEAR(progress.EndPhase(), 0.155, 1e-9);
     EXPECT_EQ(sink.done, (std::vector<std::string>{"    tiles", "  prepass", "preparing"}));
     progress.BeginPhase("rendering", 10);
-    EXPECT_LT(progress.EndPhase(), 0.02);
+    EXPECT_EQ(progress.EndPhase(), 0);
     EXPECT_EQ(sink.done.back(), "rendering");
 }
 

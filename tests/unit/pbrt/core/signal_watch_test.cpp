@@ -10,6 +10,8 @@
 #include <thread>
 
 #include "pbrt/core/files.h"
+#include "support/test_clock.h"
+#include "support/wait.h"
 
 namespace pbrt {
 namespace {
@@ -31,8 +33,20 @@ using std::chrono::milliseconds;
     Hang();
 }
 
+/// Runs `act` under a watch with this clock until all signals that `act` raised are handled, and ends with status 5;
+/// for a child process.
+[[noreturn]] void WatchedToTheEnd(const std::function<Progress::Clock::time_point()> &now,
+                                  const std::function<void(SignalWatch &, Progress &)> &act) {
+    Progress progress(nullptr, now);
+    {
+        SignalWatch watch(progress, "at once");
+        act(watch, progress);
+    }
+    _exit(5);
+}
+
 void WaitForCancel(const Progress &progress) {
-    while (!progress.Cancelled()) std::this_thread::sleep_for(milliseconds(1));
+    if (!test::WaitUntil([&] { return progress.Cancelled(); })) _exit(77);
 }
 
 /// Every test runs its code in a separate process.
@@ -50,13 +64,15 @@ TEST_F(SignalWatchTest, EndsAtOnceWhereNothingIsToBeSaved) {
 }
 
 TEST_F(SignalWatchTest, LetsWorkEndThatPollsProgress) {
-    EXPECT_EXIT(Watched([](SignalWatch &watch, Progress &progress) {
-                    watch.Cancel("saving", "never said", SignalWatch::kForever);
-                    kill(getpid(), SIGTERM);
-                    WaitForCancel(progress);
-                    std::this_thread::sleep_for(milliseconds(500));
-                    _exit(watch.Status() == 143 ? 5 : 6);
-                }),
+    // Of this clock, a day passes between any two readings.
+    const auto days = [day = 0]() mutable { return Progress::Clock::time_point(std::chrono::hours(24 * ++day)); };
+    EXPECT_EXIT(WatchedToTheEnd(days,
+                                [](SignalWatch &watch, Progress &progress) {
+                                    watch.Cancel("saving", "not printed", SignalWatch::kForever);
+                                    kill(getpid(), SIGTERM);
+                                    WaitForCancel(progress);
+                                    if (watch.Status() != 143) _exit(6);
+                                }),
                 ExitedWithCode(5), "^saving\n$");
 }
 
@@ -80,18 +96,18 @@ TEST_F(SignalWatchTest, ASignalHoldsForTheNextPhase) {
 
 TEST_F(SignalWatchTest, ASecondSignalEndsAtOnceButNotARepeatedOne) {
     auto twice = [](milliseconds between) {
-        Watched([&](SignalWatch &watch, Progress &) {
+        test::TestClock clock;
+        WatchedToTheEnd(std::ref(clock), [&](SignalWatch &watch, Progress &progress) {
             watch.Cancel("saving", "again", SignalWatch::kForever);
-            kill(getpid(), SIGINT);
-            std::this_thread::sleep_for(between);
-            kill(getpid(), SIGTERM);
-            std::this_thread::sleep_for(milliseconds(1500));
-            // Of two signals that wait at the same time, threads may take either first.
-            _exit(watch.Status() == 130 || watch.Status() == 143 ? 5 : 6);
+            raise(SIGINT);
+            WaitForCancel(progress);
+            clock.Advance(between);
+            raise(SIGTERM);
+            if (watch.Status() != 130) _exit(6);
         });
     };
-    EXPECT_EXIT(twice(milliseconds(0)), ExitedWithCode(5), "^saving\n$");
-    EXPECT_EXIT(twice(SignalWatch::kRepeat + milliseconds(200)), ExitedWithCode(130), "^saving\nagain\n$");
+    EXPECT_EXIT(twice(SignalWatch::kRepeat - milliseconds(1)), ExitedWithCode(5), "^saving\n$");
+    EXPECT_EXIT(twice(SignalWatch::kRepeat), ExitedWithCode(130), "^saving\nagain\n$");
 }
 
 TEST_F(SignalWatchTest, RemovesTemporariesAndNothingElse) {
@@ -113,19 +129,19 @@ TEST_F(SignalWatchTest, RemovesTemporariesAndNothingElse) {
 }
 
 TEST_F(SignalWatchTest, HangUpStaysIgnoredUnderNohup) {
+    // The status is that of the first signal which is not ignored; a thread takes its own signals in order.
     EXPECT_EXIT(
         {
             std::signal(SIGHUP, SIG_IGN);
-            Progress progress;
-            SignalWatch watch(progress, "");
-            kill(getpid(), SIGHUP);
-            std::this_thread::sleep_for(milliseconds(300));
-            _exit(watch.Status() == 0 && !progress.Cancelled() ? 5 : 6);
+            Watched([](SignalWatch &, Progress &) {
+                raise(SIGHUP);
+                raise(SIGTERM);
+            });
         },
-        ExitedWithCode(5), "");
+        ExitedWithCode(143), "");
 }
 
-TEST_F(SignalWatchTest, NobodyReadingTheMessageHoldsUpNothing) {
+TEST_F(SignalWatchTest, AClosedPipeForTheMessageDelaysNothing) {
     EXPECT_EXIT(Watched([](SignalWatch &watch, Progress &) {
                     int ends[2];
                     if (pipe(ends) != 0) _exit(6);

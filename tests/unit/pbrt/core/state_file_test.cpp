@@ -36,7 +36,7 @@ TEST_F(StateFiles, GiveBackWhatWasWritten) {
     EXPECT_EQ(FileCount(), 1);
 }
 
-TEST_F(StateFiles, CutOffAtAnyByteTheyAreRefused) {
+TEST_F(StateFiles, CutOffAtAnyByteTheyThrow) {
     const std::string whole = ReadFileContents(Example("a"));
     for (size_t size = 0; size < whole.size(); ++size) {
         const std::string path = Write("b", whole.substr(0, size));
@@ -47,7 +47,7 @@ TEST_F(StateFiles, CutOffAtAnyByteTheyAreRefused) {
     ExpectError([&] { StateFile(Write("b", whole + "x"), "test"); }, {"damaged"});
 }
 
-TEST_F(StateFiles, WithAnyBitTurnedTheyAreRefused) {
+TEST_F(StateFiles, WithAnyBitTurnedTheyThrow) {
     std::string content = ReadFileContents(Example("a"));
     for (size_t i = 0; i < content.size(); ++i)
         for (int bit = 0; bit < 8; ++bit) {
@@ -58,7 +58,7 @@ TEST_F(StateFiles, WithAnyBitTurnedTheyAreRefused) {
     EXPECT_EQ(MessageOf([&] { StateFile(Write("b", content), "test"); }), "");
 }
 
-TEST_F(StateFiles, OtherFilesAreRefusedByName) {
+TEST_F(StateFiles, OtherFilesThrowWithTheirName) {
     ExpectError([&] { StateFile(Path("none"), "test"); }, {"there is no such test"});
     ExpectError([&] { StateFile(Write("b", ""), "test"); }, {"is empty, not a test"});
     ExpectError([&] { StateFile(Write("b", "picture"), "test"); }, {"is not a test"});
@@ -74,7 +74,7 @@ TEST_F(StateFiles, ANewOneThatCannotBeWrittenLeavesTheOldOne) {
     EXPECT_EQ(FileCount(), 1);
 }
 
-TEST(StateWriters, AVectorThatAnnouncesMoreThanThereIsIsRefused) {
+TEST(StateWriters, AVectorLongerThanTheFileThrows) {
     StateWriter writer;
     writer.Value(uint64_t{1} << 62);
     const std::string bytes = writer.Joined();

@@ -4,10 +4,12 @@
 #include "pbrt/core/work_distributor.h"
 #include "support/errors.h"
 #include "support/team_on_threads.h"
+#include "support/wait.h"
 
 namespace pbrt {
 namespace {
 
+using test::WaitUntil;
 using test::WithTeam;
 
 TEST(Team, BroadcastsFromRank0AndReducesToIt) {
@@ -44,13 +46,20 @@ TEST(Team, EveryNumberIsDistributedOnce) {
             WithTeam(size, [&](Team &team) {
                 Progress progress;
                 WorkDistributor distributor(team, count, 2, progress);
+                const auto haveAllTaken = [&] {
+                    std::lock_guard lock(mutex);
+                    return takers.size() == static_cast<size_t>(size);
+                };
                 const auto work = [&] {
-                    while (const auto i = distributor.Take()) {
-                        std::this_thread::sleep_for(std::chrono::microseconds(20));
+                    for (bool isFirst = true; const auto i = distributor.Take(); isFirst = false) {
                         distributor.Report(1);
-                        std::lock_guard lock(mutex);
-                        taken.insert(*i);
-                        takers.insert(team.Rank());
+                        {
+                            std::lock_guard lock(mutex);
+                            taken.insert(*i);
+                            takers.insert(team.Rank());
+                        }
+                        // No thread takes a second number before every process has one.
+                        if (isFirst && count == 1000) EXPECT_TRUE(WaitUntil(haveAllTaken)) << "a process got nothing";
                     }
                 };
                 std::thread other(work);
@@ -62,20 +71,26 @@ TEST(Team, EveryNumberIsDistributedOnce) {
             });
             EXPECT_EQ(taken.size(), static_cast<size_t>(count));
             for (int64_t i = 0; i < count; ++i) EXPECT_EQ(taken.count(i), 1u);
-            EXPECT_TRUE(count < 1000 || takers.size() == static_cast<size_t>(size)) << "a process got nothing";
         }
 }
 
 TEST(Team, ACancelledProcessCancelsAll) {
     for (int canceller : {0, 2}) {
         std::atomic<int64_t> taken = 0;
+        std::atomic<bool> isCancelled = false;
         WithTeam(3, [&](Team &team) {
             Progress progress;
             WorkDistributor distributor(team, 1000000, 1, progress);
             for (int i = 0; distributor.Take(); ++i) {
                 taken.fetch_add(1);
-                std::this_thread::sleep_for(std::chrono::microseconds(20));
-                if (i == 10 && team.Rank() == canceller) progress.Cancel();
+                if (i != 10) continue;
+                if (team.Rank() == canceller) {
+                    progress.Cancel();
+                    isCancelled = true;
+                } else {
+                    // A request cancels rank 0; the reply to one cancels the others.
+                    EXPECT_TRUE(WaitUntil([&] { return team.IsRank0() ? progress.Cancelled() : isCancelled.load(); }));
+                }
             }
             distributor.Finish();
             EXPECT_TRUE(progress.Cancelled()) << team.Rank();

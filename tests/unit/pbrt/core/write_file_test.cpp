@@ -128,7 +128,7 @@ TEST_F(WriteFileTest, NamesMayBeAsLongAsTheDiskAllows) {
     test::ExpectError([&] { WriteFile(path, "x"); }, {"File name too long"});
 }
 
-TEST_F(WriteFileTest, WhatCannotBeWrittenIsKnownBefore) {
+TEST_F(WriteFileTest, UnwritableFilesAreReportedInAdvance) {
     Write("file", "x");
     const std::string guarded = Write("guarded", "keep");
     ASSERT_EQ(chmod(guarded.c_str(), 0444), 0);

@@ -78,7 +78,7 @@ class EveryFilm : public ::testing::TestWithParam<std::string> {
 };
 INSTANTIATE_TEST_SUITE_P(Films, EveryFilm, ::testing::ValuesIn(Films().Names()), [](const auto &i) { return i.param; });
 
-TEST_P(EveryFilm, SavedSumsGoOnBitByBit) {
+TEST_P(EveryFilm, SavedSumsContinueBitByBit) {
     auto whole = Make(), first = Make(), second = Make();
     AddSamples(*whole, 0, 20);
     AddSamples(*first, 0, 7);
@@ -179,25 +179,25 @@ TEST_P(EveryFilm, AFilmMadeFromItsRecipeMakesTheSamePicture) {
     EXPECT_NE(Bits(film->ToImage()), Bits(other->ToImage()));
 }
 
-TEST_P(EveryFilm, StateOfAnotherFilmIsRefusedAndChangesNothing) {
+TEST_P(EveryFilm, StateOfAnotherFilmThrowsAndChangesNothing) {
     auto film = Make();
     AddSamples(*film, 0, 3);
     const std::string state = Saved(*film);
-    auto refuses = [&](const std::string &bad) {
+    auto expectThrow = [&](const std::string &bad) {
         EXPECT_THROW(Load(*film, bad), UserError);
         EXPECT_THROW(Merge(*film, bad), UserError);
         EXPECT_EQ(Saved(*film), state);
     };
-    refuses("");
-    refuses("rgbfilm1");
+    expectThrow("");
+    expectThrow("rgbfilm1");
     std::string older = state;
     older[7] = '2';
-    refuses(older);
-    refuses(state.substr(0, state.size() - 1));
-    refuses(state.substr(0, state.size() / 2));
-    refuses(Saved(*Make(FilmSize(3, 5))));
+    expectThrow(older);
+    expectThrow(state.substr(0, state.size() - 1));
+    expectThrow(state.substr(0, state.size() / 2));
+    expectThrow(Saved(*Make(FilmSize(3, 5))));
     for (const std::string &other : Films().Names())
-        if (other != GetParam()) refuses(Saved(*MakeFullFloat(other, FilmSize(5, 3))));
+        if (other != GetParam()) expectThrow(Saved(*MakeFullFloat(other, FilmSize(5, 3))));
     EXPECT_NO_THROW(Load(*film, state));
 }
 

@@ -39,7 +39,7 @@ TEST_F(FilmTest, Defaults) {
     EXPECT_FALSE(sink_.HasErrors());
 }
 
-TEST_F(FilmTest, PixelsAreThoseOfTheSceneUnlessFlagsSayOtherwise) {
+TEST_F(FilmTest, FlagsOverrideThePixelsOfTheScene) {
     struct Case {
         const char *name;
         Point2i resolution;

@@ -74,7 +74,7 @@ TEST(LayeredFilms, OnlyFitIntoExr) {
     EXPECT_THROW(MakeFullFloat("gbufer", FilmSize(2, 1)), UserError);
 }
 
-TEST(GBufferFilm, HoldsMeansOverTheSamplesThatSeeASurface) {
+TEST(GBufferFilm, HoldsMeansOverTheSamplesThatHitASurface) {
     auto film = MakeFullFloat("gbuffer", FilmSize(2, 1));
     VisibleSurface a, b;
     a.p = {1, 2, 3};
@@ -119,7 +119,7 @@ TEST(GBufferFilm, HoldsMeansOverTheSamplesThatSeeASurface) {
         }
 }
 
-TEST(GBufferFilm, VarianceIsThatOfTheSamplesThatSeeASurface) {
+TEST(GBufferFilm, VarianceIsThatOfTheSamplesThatHitASurface) {
     auto film = MakeFullFloat("gbuffer", FilmSize(2, 1));
     const SampledWavelengths lambda = film->SampleWavelengths(0.3f);
     const Vector3 unit((CieX().Sample(lambda) / lambda.Pdf()).Average(),

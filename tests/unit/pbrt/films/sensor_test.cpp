@@ -35,7 +35,7 @@ class ProductSpectrum final : public Spectrum {
     const Spectrum &a_, &b_;
 };
 
-TEST(PixelSensor, CamerasSeeTheColorCheckerAsTheStandardObserverDoes) {
+TEST(PixelSensor, CamerasMatchTheStandardObserverOnTheColorChecker) {
     // Under the light for which a camera is balanced, its greys get the output's white, and the colour patches come
     // close to theirs.
     const ColorSpace &space = ColorSpace::SRGB();

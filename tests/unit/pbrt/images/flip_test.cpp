@@ -240,7 +240,7 @@ TEST(Flip, DoesNotDependOnTheNumberOfThreads) {
     EXPECT_EQ(with(1), with(3));
 }
 
-TEST(Flip, RefusesWhatItCannotCompare) {
+TEST(Flip, ThrowsIfImagesCannotBeCompared) {
     const Image grey(PixelFormat::Float, {4, 4}, {"Y"});
     EXPECT_THROW(FlipReference{grey}, UserError);
     EXPECT_THROW(Flip(Flat({1, 1, 1}, {5, 4}), Flat({1, 1, 1}, {4, 5})), UserError);

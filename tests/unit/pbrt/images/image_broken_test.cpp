@@ -94,7 +94,7 @@ TEST_F(BrokenImage, SizesAreCheckedBeforeMemoryIsAllocated) {
     for (const char *size : {"100000 100000", "1048577 1", "1e9 1e9", "2147483648 4", "-1 4", "0 4", "4 0", "nan 1"})
         ExpectWords(ReadError(Write("lie.pfm", std::string("PF\n") + size + "\n-1\nshort")), {"lie.pfm"});
     ExpectWords(ReadError(Write("lie.pfm", "PF\n1000000 1000000\n-1\n")), {"needs about 12 TB of memory"});
-    // The checksums are missing: either the sizes are checked first, or the header is refused as a whole.
+    // The checksums are missing: either the sizes are checked first, or the header is an error as a whole.
     for (auto [width, height] :
          {std::pair(100000u, 100000u), {0u, 5u}, {5u, 0u}, {1u << 31, 1u}, {0x7fffffffu, 0x7fffffffu}})
         ExpectWords(ReadError(Write("lie.png", png(width, height))), {"lie.png"});

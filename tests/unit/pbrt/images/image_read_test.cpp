@@ -38,7 +38,7 @@ const ColorEncoding kSrgb{};
 Float Decoded(int byte) { return kSrgb.ToLinear(Float(byte) / 255); }
 }  // namespace
 
-TEST_F(ReadImageFile, PngIsSrgbUnlessTheCallerSaysOtherwise) {
+TEST_F(ReadImageFile, PngIsSrgbUnlessTheCallerNamesAnEncoding) {
     const std::string path = Write<uint8_t>("a.png", 2, 1, 3, OIIO::TypeDesc::UINT8, {0, 100, 255, 10, 20, 30});
     const Image image = ReadImage(path).image;
     EXPECT_EQ(image.Format(), PixelFormat::U8);
@@ -102,7 +102,7 @@ TEST_F(ReadImageFile, PalettePngExpandsToRgb) {
 }
 
 TEST_F(ReadImageFile, TgaRowsAndAlphaComeOutAsStored) {
-    // An uncompressed Targa file of 2 x 2 pixels, 24-bit BGR. Bit 5 of the descriptor says that the first row is the
+    // An uncompressed Targa file of 2 x 2 pixels, 24-bit BGR. Bit 5 of the descriptor is set: the first row is the
     // top one.
     const std::string header = Bytes({0, 0, 2, 0, 0, 0, 0, 0, 0, 0, 0, 0, 2, 0, 2, 0, 24});
     const std::string pixels = Bytes({1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11, 12});
@@ -121,7 +121,7 @@ TEST_F(ReadImageFile, TgaRowsAndAlphaComeOutAsStored) {
     EXPECT_FLOAT_EQ(alpha.Get({0, 0}, 2), Decoded(30));
 }
 
-TEST_F(ReadImageFile, OtherByteFormatsAreSrgbWhateverTheCallerSays) {
+TEST_F(ReadImageFile, OtherByteFormatsAreSrgbForAnyEncodingOfTheCaller) {
     const std::vector<uint8_t> grey(16 * 16 * 3, 100);
     for (const char *name : {"a.bmp", "a.jpg", "a.ppm"}) {
         const std::string path = Write<uint8_t>(name, 16, 16, 3, OIIO::TypeDesc::UINT8, grey);
@@ -138,7 +138,7 @@ TEST_F(ReadImageFile, RadianceIsLinearFloatTopRowFirst) {
     for (int i = 0; i < 12; ++i) EXPECT_NEAR(image.Get({i / 3 % 2, i / 6}, i % 3), values[i], 0.05f * values[i]) << i;
 }
 
-TEST_F(ReadImageFile, RadianceRowsComeOutUprightAndColumnsAreRefused) {
+TEST_F(ReadImageFile, RadianceRowsAreUprightAndColumnsAreErrors) {
     // 3 x 2 pixels, not run-length coded; pixel i has the mantissa 16 (i + 1) in red.
     std::string pixels;
     for (int i = 0; i < 6; ++i) pixels += Bytes({16 * (i + 1), 0, 0, 128});
@@ -248,7 +248,7 @@ TEST_F(ReadImageFile, ErrorsNameTheFile) {
     ExpectWords(ReadError(folder_.string()), {"directory"});
     for (const char *name :
          {"broken.png", "broken.exr", "broken.pfm", "broken.hdr", "broken.jpg", "broken.tga", "broken.qoi"})
-        ExpectWords(ReadError(Write(name, "this is no image at all, whatever its name says")), {name});
+        ExpectWords(ReadError(Write(name, "this is no image, in spite of its name")), {name});
     ExpectWords(ReadError(Write("s.spd", "400 1\n700 1\n")),
                 {Path("s.spd"), "PNG, EXR, PFM, HDR, JPEG, TGA, BMP, GIF, PNM, PSD and TIFF"});
     for (const char *bytes : {"PF\n2 x\n-1\n", "PF\n2 2\n0\n"})
@@ -278,16 +278,16 @@ TEST_F(ReadImageFile, OfSeveralPartsTheFirstIsReadWithAWarning) {
             }
         }
         Image image;
-        const std::string said = StderrOf([&] { image = ReadImage(path).image; });
+        const std::string messages = StderrOf([&] { image = ReadImage(path).image; });
         EXPECT_EQ(image.Get({0, 0}, 0), 1);
         EXPECT_EQ(image.Get({1, 0}, 0), 7);
         if (parts == 1) {
-            EXPECT_EQ(said, "");
+            EXPECT_EQ(messages, "");
             continue;
         }
-        ExpectWords(said, {path + ": the image has " + std::to_string(parts) + " parts (\"beauty\", \"depth\"",
-                           "only the first is read"});
-        EXPECT_EQ(std::count(said.begin(), said.end(), '\n'), 1) << said;
+        ExpectWords(messages, {path + ": the image has " + std::to_string(parts) + " parts (\"beauty\", \"depth\"",
+                               "only the first is read"});
+        EXPECT_EQ(std::count(messages.begin(), messages.end(), '\n'), 1) << messages;
     }
 }
 

@@ -52,7 +52,7 @@ TEST(ByteCode, EncodesToTheNearestEncodedByte) {
     }
 }
 
-TEST(ColorEncoding, EveryByteSurvivesDecodingAndEncoding) {
+TEST(ColorEncoding, DecodingAndEncodingReturnEveryByte) {
     for (const char *name : {"linear", "sRGB", "gamma 1.8", "gamma 0.5"}) {
         Image image(PixelFormat::U8, {256, 1}, {"Y"}, *ColorEncoding::Parse(name));
         auto *bytes = static_cast<uint8_t *>(image.Data());

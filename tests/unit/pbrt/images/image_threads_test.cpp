@@ -10,7 +10,7 @@ namespace pbrt::test {
 
 namespace {
 
-/// An ICC profile of a monitor by "IEC ", model "sRGB", with `tags` text tags whose names no program knows.
+/// An ICC profile of a monitor by "IEC ", model "sRGB", with `tags` text tags with private names.
 std::vector<uint8_t> Profile(int number, int tags) {
     std::vector<uint8_t> bytes;
     auto word = [&](size_t at, uint32_t value) {
@@ -61,7 +61,7 @@ class ImageThreads : public FolderTest {
 // Threads that read PNG files with such profiles at the same time could crash the library or make it loop for ever. So
 // the test runs in a separate process, which must end by itself in time.
 TEST_F(ImageThreads, ReadPngsWithColorProfilesAtOnce) {
-    // The process is started afresh, because the threads of the library do not survive a fork.
+    // The process is started afresh, because the threads of the library do not continue in a forked process.
     GTEST_FLAG_SET(death_test_style, "threadsafe");
     constexpr int kFiles = 64, kTags = 300, kThreads = 8;
     std::vector<std::string> paths;

@@ -84,7 +84,7 @@ TEST_F(WriteImageFile, ExrKeepsWindowsChromaticitiesAndAttributes) {
     EXPECT_EQ(m[3][0], 0);
 }
 
-TEST_F(WriteImageFile, EveryColorSpaceIsFoundAgainAndSrgbIsNotStated) {
+TEST_F(WriteImageFile, EveryColorSpaceIsReadBackAndSrgbIsNotStored) {
     for (const std::string &name : ColorSpace::Names()) {
         ImageMetadata metadata;
         metadata.colorSpace = ColorSpace::Find(name);

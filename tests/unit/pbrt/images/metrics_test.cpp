@@ -38,7 +38,7 @@ TEST(ImageError, LeavesOutWhatIsNotFiniteAndCountsIt) {
     EXPECT_FALSE(std::isfinite(terms.Get({1, 0}, 0)));
 }
 
-TEST(ImageError, RefusesImagesThatDoNotMatch) {
+TEST(ImageError, ThrowsIfImagesDoNotMatch) {
     EXPECT_THROW(ImageError(Row({1, 2}), Row({1}), Metric::MSE), UserError);
     EXPECT_THROW(ImageError(Row({1}), Image(PixelFormat::Float, {1, 1}, {"R"}), Metric::MSE), UserError);
 }
@@ -98,7 +98,7 @@ TEST(TrimmedRelL2, SkipsWhatIsNotFinite) {
     EXPECT_EQ(TrimmedRelL2(Row({1}), Row({0})), 0);
 }
 
-TEST(ImageError, KnowsTheNamesOfTheFormat) {
+TEST(ImageError, TakesTheNamesOfTheFormat) {
     const char *const names[] = {"MAE", "MSE", "MRSE", "relL2", "relL2Abs", "SMAPE", "FLIP", "HDR-FLIP"};
     for (size_t i = 0; i < std::size(names); ++i) EXPECT_EQ(ParseMetric(names[i]), kMetrics[i]) << names[i];
     EXPECT_FALSE(ParseMetric("mse"));

@@ -41,7 +41,7 @@ std::string ShellScene(const std::string &integrator, const std::string &lamp, c
 
 double RenderedMean(const std::string &text) { return ChannelStatistics(RenderText(text).image).mean; }
 
-TEST(Interface, VolpathSeesAsIfTheShellWereNotThere) {
+TEST(Interface, VolpathRendersTheSceneWithoutTheShell) {
     for (const std::string &lamp : {kPointLamp, kBallLamp}) {
         // The random numbers are the same, so the pictures differ by rounding only.
         auto mean = [&](const std::string &aroundLamp, const std::string &aroundBall) {

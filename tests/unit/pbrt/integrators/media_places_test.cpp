@@ -41,7 +41,7 @@ TEST(MediaInPlaces, AMovingSlabShadesOnlyWhereItIs) {
     ExpectOfSky(Green(slab, {"volpath", 5, 1024}), (1 + std::exp(-.6)) / 2, "", 1e-3);
 }
 
-TEST(MediaInPlaces, AGridOfTemperaturesGlowsAsQuadratureSays) {
+TEST(MediaInPlaces, EmissionOfAGridOfTemperaturesIsThatOfQuadrature) {
     // Temperatures along the view's axis, in a box so wide that nothing changes across the view. It absorbs and emits.
     // Outside the voxels' middles stock and we interpolate towards 0, so the first and the last density are 0.
     auto text = [](const std::array<double, 6> &kelvins) {

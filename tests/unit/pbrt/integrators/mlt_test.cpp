@@ -6,7 +6,7 @@
 namespace pbrt::test {
 namespace {
 
-TEST(PrimarySampler, HandsOutTheListAndDrawsWhatIsMissing) {
+TEST(PrimarySampler, ReturnsTheListAndDrawsFurtherNumbers) {
     Rng rng(1), same(1);
     std::vector<Float> numbers(100);
     for (size_t i = 0; i < numbers.size(); ++i) numbers[i] = Float(i) / 200;
@@ -77,7 +77,7 @@ INSTANTIATE_TEST_SUITE_P(All, MltViews,
                                                        "Glow"})),
                          testing::PrintToStringParamName());
 
-/// Small bootstraps know the brightness badly, one by one; their mean is exact for every choice of parameters.
+/// Single small bootstraps estimate the brightness badly; their mean is exact for every choice of parameters.
 TEST(Mlt, ParametersDoNotChangeTheMean) {
     View view = AllViews()[0];
     view.samples = 160;
@@ -102,13 +102,10 @@ TEST(Mlt, LightSamplersDoNotChangeTheMean) {
     View view = AllViews()[0];
     view.samples = 160;
     view.parameters = "'integer bootstrapsamples' 20000";
-    CheckLightSamplers(
-        view, "mlt",
-        {"'string lightsampler' 'uniform'", "'string lightsampler' 'bvh'", "'string lightsampler' 'octree'",
-         "'string lightsampler' 'octree' 'string octree.portals' 'always'"});
+    CheckLightSamplers(view, "mlt");
 }
 
-TEST(Mlt, RefusesFilmsAndCamerasThatItCannotServe) {
+TEST(Mlt, UnsupportedFilmsAndCamerasThrow) {
     View view = AllViews()[0];
     const auto render = [&] { RenderView(view, "mlt", 1, 1); };
     view.camera = kRealisticCamera;

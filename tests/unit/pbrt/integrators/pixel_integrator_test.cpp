@@ -72,7 +72,7 @@ TEST(VisibleSurface, SamplesThatTheLensStopsAreNotBlack) {
         for (const int aperture : {1, 4, 8}) EXPECT_NEAR(AlbedoBehindLens(film, aperture), .5, .01) << aperture;
 }
 
-TEST(VisibleSurface, EveryIntegratorSeesTheSame) {
+TEST(VisibleSurface, IsTheSameForEveryIntegrator) {
     const Image expected = Render("gbuffer", "path").image;
     for (const std::string &integrator : kIntegrators)
         for (int maxDepth : {0, 3}) {
@@ -88,7 +88,7 @@ TEST(VisibleSurface, EveryIntegratorSeesTheSame) {
         }
 }
 
-TEST(VisibleSurface, AskingForItTracesNothingAndLeavesTheRadianceAlone) {
+TEST(VisibleSurface, TracesNoRaysAndKeepsTheRadiance) {
     for (const std::string &integrator : kIntegrators) {
         const Seen a = Render("gbuffer", integrator), b = Render("rgb", integrator);
         EXPECT_EQ(a.rays, b.rays) << integrator;
@@ -96,7 +96,7 @@ TEST(VisibleSurface, AskingForItTracesNothingAndLeavesTheRadianceAlone) {
     }
 }
 
-/// Records the samples that it is asked for.
+/// Records the samples whose radiance is evaluated.
 class Census final : public PixelIntegrator {
   public:
     SampledSpectrum Li(const PathStart &start, SampledWavelengths &, Sampler &sampler) const override {
@@ -159,7 +159,7 @@ TEST_F(PixelPass, ThreadsAndSplitsMakeNoDifference) {
     EXPECT_EQ(census_.samples.size(), 8u * 24 * 20);
 }
 
-TEST_F(PixelPass, OnlyFilmsThatWantItAskForTheSurface) {
+TEST_F(PixelPass, TheSurfaceIsRecordedForFilmsThatNeedIt) {
     Render("rgb", 0, 1);
     Render("spectral", 0, 1);
     EXPECT_FALSE(census_.asksForSurface);
@@ -183,7 +183,7 @@ TEST_F(PixelPass, SamplesThatTheFilmHasAreTracedButNotAdded) {
     EXPECT_EQ(State(), before);
 }
 
-TEST_F(PixelPass, CancelledIsSaid) {
+TEST_F(PixelPass, ACancelledPassReturnsFalse) {
     progress_.Cancel();
     EXPECT_FALSE(Render("rgb", 0, 1));
     EXPECT_EQ(census_.calls, 0);

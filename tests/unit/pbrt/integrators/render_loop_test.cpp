@@ -1,4 +1,4 @@
-// Tests the wave loop with an integrator that only records what it is asked for.
+// Tests the wave loop with an integrator that only records its passes.
 #include "pbrt/integrators/wave_renderer.h"
 
 #include <csignal>
@@ -10,6 +10,7 @@
 #include "support/small_files.h"
 #include "support/team_on_threads.h"
 #include "support/temporary_image.h"
+#include "support/test_clock.h"
 #include "support/wait.h"
 #include "unit/pbrt/films/film_fixtures.h"
 
@@ -37,14 +38,14 @@ struct Pass {
 };
 
 /// A sampler whose SamplesPerPixel() is its seed; counts how often WithSeed() is called.
-class SeedTeller final : public Sampler {
+class SeedSampler final : public Sampler {
   public:
-    SeedTeller(int seed, int *made) : Sampler(SamplerSettings{.samplesPerPixel = seed, .seed = seed}), made_(made) {}
+    SeedSampler(int seed, int *made) : Sampler(SamplerSettings{.samplesPerPixel = seed, .seed = seed}), made_(made) {}
     Point2 GetPixel2D() override { return {}; }
-    std::unique_ptr<Sampler> Clone() const override { return std::make_unique<SeedTeller>(*this); }
+    std::unique_ptr<Sampler> Clone() const override { return std::make_unique<SeedSampler>(*this); }
     std::unique_ptr<Sampler> WithSeed(int seed) const override {
         ++*made_;
-        return std::make_unique<SeedTeller>(seed, made_);
+        return std::make_unique<SeedSampler>(seed, made_);
     }
 
   protected:
@@ -61,6 +62,7 @@ class SeedTeller final : public Sampler {
 /// Records the passes and the seeds; every sample is 1 at every wavelength.
 class Recorder final : public Integrator {
   public:
+    explicit Recorder(TestClock &clock) : clock_(clock) {}
     bool Render(const RenderPass &pass) override {
         passes.push_back({pass.batchFirst / pass.samplesPerPixel, pass.batchFirst + pass.first, pass.count,
                           pass.keepsSamples, pass.isCounted});
@@ -70,8 +72,7 @@ class Recorder final : public Integrator {
             pass.progress.Cancel();
             return false;
         }
-        if (secondsPerSample > 0)
-            std::this_thread::sleep_for(std::chrono::duration<double>(secondsPerSample * pass.count));
+        clock_.Advance(secondsPerSample * pass.count);
         FilmSample sample;
         for (int i = 0; i < pass.count; ++i) {
             sample.lambda = pass.film.SampleWavelengths(0.5f);
@@ -91,7 +92,10 @@ class Recorder final : public Integrator {
     std::set<int> seeds;  ///< the seeds of the samplers that were used
     std::unique_ptr<ListedLearner> learner;
     size_t cancelsIn = 0;  ///< the pass that cancels the render, counted from 1; 0: none
-    double secondsPerSample = 0;
+    std::chrono::duration<double> secondsPerSample{};
+
+  private:
+    TestClock &clock_;
 };
 
 class RenderLoop : public test::FolderTest {
@@ -114,11 +118,12 @@ class RenderLoop : public test::FolderTest {
     const std::unique_ptr<Film> film_ = MakeFullFloat("rgb", FilmSize(1, 1));
     std::unique_ptr<Filter> filter_;
     std::unique_ptr<Camera> camera_;
-    Recorder integrator_;
+    TestClock clock_;
+    Recorder integrator_{clock_};
     RenderSettings settings_;
-    Progress progress_;
+    Progress progress_{nullptr, std::ref(clock_)};
     int batches_ = 0;  ///< batches that were begun after the first one
-    const SeedTeller sampler_{5, &batches_};
+    const SeedSampler sampler_{5, &batches_};
 };
 
 TEST(SamplePlan, IsRoundedToFourStepsAnOctave) {
@@ -131,41 +136,35 @@ TEST(SamplePlan, IsRoundedToFourStepsAnOctave) {
 }
 
 TEST_F(RenderLoop, SecondsPerSampleAreMeasuredOnAScratchFilm) {
-    integrator_.secondsPerSample = 0.02;
+    integrator_.secondsPerSample = std::chrono::milliseconds(20);
     settings_.timeBudget = 5;
-    const double measured = MeasureSecondsPerSample(Context(), settings_, 5);
-    EXPECT_GE(measured, 0.02);
-    EXPECT_LT(measured, 0.1);
-    // 1 + 1 + 2 + 4: until 0.1 s are over.
-    int samples = 0;
-    for (int count : integrator_.Counts()) samples += count;
-    EXPECT_GE(samples, 2);
-    EXPECT_LE(samples, 12);
+    EXPECT_NEAR(MeasureSecondsPerSample(Context(), settings_, 5), 0.02, 1e-9);
+    EXPECT_EQ(integrator_.Counts(), (std::vector<int>{1, 1, 2, 4})) << "until 0.1 s are over";
 }
 
 /// Takes a millisecond for every pixel of a film, until it is cancelled.
-class Sleeper final : public Integrator {
+class MillisecondPixels final : public Integrator {
   public:
+    explicit MillisecondPixels(TestClock &clock) : clock_(clock) {}
     bool Render(const RenderPass &pass) override {
-        for (int i = 0; i < kPixels; ++i) {
+        for (int64_t i = 0; i < pass.film.PixelBounds().Area(); ++i) {
             if (pass.progress.Cancelled()) return false;
-            std::this_thread::sleep_for(std::chrono::milliseconds(1));
-            pass.progress.Advance(pass.film.PixelBounds().Area() / kPixels);
+            clock_.Advance(std::chrono::milliseconds(1));
+            pass.progress.Advance();
         }
         return true;
     }
-    static constexpr int kPixels = 1024;
+
+  private:
+    TestClock &clock_;
 };
 
 TEST_F(RenderLoop, TheMeasurementStopsInTheMiddleOfALongSample) {
     const std::unique_ptr<Film> film = MakeFullFloat("rgb", FilmSize(32, 32));
-    Sleeper sleeper;
-    const auto start = std::chrono::steady_clock::now();
-    const double measured = MeasureSecondsPerSample(ContextOf(sleeper, *film), settings_, 1);
-    const double spent = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
-    EXPECT_LT(spent, 0.5);
-    EXPECT_GT(measured, 1);
-    EXPECT_LT(measured, 5);
+    MillisecondPixels integrator(clock_);
+    const auto start = clock_();
+    EXPECT_NEAR(MeasureSecondsPerSample(ContextOf(integrator, *film), settings_, 1), 1.024, 1e-6);
+    EXPECT_LE(clock_() - start, std::chrono::milliseconds(101));
 }
 
 TEST_F(RenderLoop, WavesDoubleUpToTheLargest) {
@@ -215,7 +214,7 @@ TEST_F(RenderLoop, LearningBeforeAWaveIsDoneOnce) {
     EXPECT_EQ(renderer.Render(9), 3);
 }
 
-TEST_F(RenderLoop, GoingOnRepeatsOnlyWhatIsLearnedFrom) {
+TEST_F(RenderLoop, ResumingRepeatsOnlyWhatIsLearnedFrom) {
     settings_.samplesPerPixel = 32;
     integrator_.learner = std::make_unique<ListedLearner>(std::vector<int>{1, 6});
     WaveRenderer renderer(Context(), settings_);
@@ -252,13 +251,14 @@ TEST_F(RenderLoop, ACancelledPassIsNotCounted) {
 
 /// One of two processes that render two parts: the first begins one, then the second begins the other.
 struct OneOfTwo : RenderLoop, Integrator {
-    OneOfTwo(Team &team, std::atomic<int> &begun, bool isCancelled)
-        : team_(team), begun_(begun), isCancelled_(isCancelled) {
+    OneOfTwo(Team &team, Mail &mail, std::atomic<int> &begun, bool isCancelled)
+        : team_(team), mail_(mail), begun_(begun), isCancelled_(isCancelled) {
         settings_.samplesPerPixel = 1;
     }
     void TestBody() override {}
     bool Render(const RenderPass &pass) override {
         const auto waitUntil = [&](int begun) { EXPECT_TRUE(WaitUntil([&] { return begun_ >= begun; })); };
+        const auto isAnswered = [&] { return mail_.IsWaiting(1, MessagePort::Channel::Replies); };
         const bool isFirst = pass.team.IsRank0();
         if (!isFirst) waitUntil(1);
         return RenderChunks(pass, {.count = 2,
@@ -268,8 +268,8 @@ struct OneOfTwo : RenderLoop, Integrator {
                                            ++begun_;
                                            waitUntil(2);
                                            if (isFirst || !isCancelled_) return 1u;
-                                           // Meanwhile the first answers that there is no other part.
-                                           std::this_thread::sleep_for(std::chrono::milliseconds(100));
+                                           // The first has answered that there is no other part.
+                                           EXPECT_TRUE(WaitUntil(isAnswered));
                                            progress_.Cancel();
                                            return 0u;
                                        }});
@@ -278,6 +278,7 @@ struct OneOfTwo : RenderLoop, Integrator {
     void Follow() { FollowWaves(ContextOf(*this, *film_, team_), settings_); }
 
     Team &team_;
+    Mail &mail_;
     std::atomic<int> &begun_;
     const bool isCancelled_;
 };
@@ -286,8 +287,9 @@ TEST(RenderLoopOfProcesses, OneThatIsCancelledInItsLastPartCancelsTheRender) {
     ThreadLimit oneEach(1);
     for (const bool isCancelled : {false, true}) {
         std::atomic<int> begun = 0;
-        WithTeam(2, [&](Team &team) {
-            OneOfTwo process(team, begun, isCancelled);
+        Mail mail;
+        WithTeam(mail, 2, [&](Team &team) {
+            OneOfTwo process(team, mail, begun, isCancelled);
             if (!team.IsRank0()) return process.Follow();
             const RenderResult result = process.Run();
             EXPECT_EQ(result.cancelled, isCancelled);
@@ -299,13 +301,13 @@ TEST(RenderLoopOfProcesses, OneThatIsCancelledInItsLastPartCancelsTheRender) {
 TEST_F(RenderLoop, ATimeBudgetEndsTheRenderAndItsLastWaveFits) {
     settings_.samplesPerPixel = 4;
     settings_.timeBudget = 0.5;
-    settings_.start = std::chrono::steady_clock::now();
-    integrator_.secondsPerSample = 0.01;
+    settings_.start = clock_();
+    integrator_.secondsPerSample = std::chrono::milliseconds(10);
     const RenderResult result = Run();
     EXPECT_FALSE(result.cancelled);
-    EXPECT_GT(result.samplesTaken, 10);
-    EXPECT_LE(result.samplesTaken, 51);
-    EXPECT_GT(integrator_.seeds.size(), 2u);
+    EXPECT_EQ(result.samplesTaken, 50);
+    EXPECT_NEAR(result.seconds, 0.5, 1e-9);
+    EXPECT_EQ(integrator_.seeds.size(), 13u);
     for (const Pass &p : integrator_.passes) EXPECT_FALSE(p.isCounted);
     // With a budget that is used up already, one sample is rendered all the same.
     integrator_.passes.clear();

@@ -9,7 +9,7 @@
 namespace pbrt::test {
 namespace {
 
-TEST(PhotonMap, FindsWhatASearchThroughAllFinds) {
+TEST(PhotonMap, LookUpsMatchALinearSearch) {
     Rng rng(1);
     for (Float radius : {0.02f, 0.3f, 4.f}) {
         std::vector<std::vector<Photon>> groups(7);

@@ -100,7 +100,7 @@ void Add(Colors &colors, const Image &image, const Image *less = nullptr) {
         colors[c].Add(ChannelStatistics(image, c).mean - (less ? ChannelStatistics(*less, c).mean : 0));
 }
 
-TEST_P(Strategies, EachAloneFindsAllLightOfItsDepth) {
+TEST_P(Strategies, EachAloneEstimatesAllLightOfItsDepth) {
     Place place = GetParam();
     const bool isSmoke = place.world.find("Medium") != std::string::npos;
     // What media emit is found by camera paths only.

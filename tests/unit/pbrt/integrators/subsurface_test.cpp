@@ -36,7 +36,7 @@ TEST(Subsurface, NothingReflectsMoreThanComesIn) {
     }
 }
 
-TEST(Subsurface, OtherIntegratorsSeeADielectricAndSaySo) {
+TEST(Subsurface, OtherIntegratorsRenderADielectricWithAWarning) {
     const std::string light = "Translate 0 1.5 0 AreaLightSource 'diffuse' Shape 'sphere' 'float radius' .3";
     auto render = [&](const char *material, const char *integrator) {
         return RenderText(VolumeScene(kEvenSky + "Material " + material + " Shape 'sphere'\n" + light,

@@ -18,7 +18,7 @@ std::string Grid(const std::string &type, const std::string &name, int values) {
     return text + " ]";
 }
 
-/// Zeros for every voxel, because a grid absorbs where the scene does not say that it does not.
+/// Zeros for every voxel, because a grid absorbs unless the scene sets its absorption to 0.
 std::string NoAbsorption() {
     std::string text = " 'rgb sigma_a' [";
     for (int i = 0; i < 72; ++i) text += " 0";
@@ -38,7 +38,7 @@ std::vector<std::pair<std::string, std::string>> ScatteringMedia() {
     };
 }
 
-/// Expects that media that only scatter are invisible under an even sky, in every colour.
+/// Expects that media that only scatter are invisible under a uniform environment, in every colour.
 void ExpectInvisible(const std::string &integrator, int samples) {
     for (const auto &[name, medium] : ScatteringMedia()) {
         const Image image = RenderText(VolumeScene(kEvenSky + Ball(medium), {integrator, 1000, samples})).image;
@@ -46,7 +46,7 @@ void ExpectInvisible(const std::string &integrator, int samples) {
     }
 }
 
-TEST(VolPath, AMediumThatOnlyScattersIsInvisibleUnderAnEvenSky) {
+TEST(VolPath, AMediumThatOnlyScattersIsInvisibleUnderUniformLight) {
     ExpectInvisible("volpath", 128);
     ExpectInvisible("simplevolpath", 512);
 }
@@ -62,15 +62,15 @@ TEST(VolPath, AFurnaceNoticesALittleAbsorption) {
 }
 
 /// All strategies of bdpt together, of paths of any length.
-TEST(Bdpt, AMediumThatOnlyScattersIsInvisibleUnderAnEvenSky) { ExpectInvisible("bdpt", 192); }
+TEST(Bdpt, AMediumThatOnlyScattersIsInvisibleUnderUniformLight) { ExpectInvisible("bdpt", 192); }
 
-/// Pixels of a chain depend on each other, so pictures of several seeds tell the error.
-TEST(Mlt, AMediumThatOnlyScattersIsInvisibleUnderAnEvenSky) {
+/// Pixels of a chain depend on each other, so the error is estimated from images of several seeds.
+TEST(Mlt, AMediumThatOnlyScattersIsInvisibleUnderUniformLight) {
     const double sky = Green(kEvenSky).mean;
     for (const auto &[name, medium] : ScatteringMedia()) {
         const RunningStatistics s = MeansOverSeeds(VolumeScene(kEvenSky + Ball(medium), {"mlt", 1000, 16}));
         EXPECT_LT(std::abs(s.mean / sky - 1), 5 * s.StandardError() / sky + 1e-4) << name;
-        EXPECT_LT(s.StandardError(), .02 * sky) << name << ": too noisy to tell";
+        EXPECT_LT(s.StandardError(), .02 * sky) << name << ": too noisy to compare";
     }
 }
 
@@ -81,7 +81,7 @@ TEST(VolPath, TheCameraMayStandInAMediumThatHasNoEnd) {
                 std::exp(-1.));
 }
 
-TEST(VolPath, LightThatWasBelowASurfaceGoesOnThroughTheFogAroundIt) {
+TEST(VolPath, LightFromBelowASurfacePassesTheMediumAroundIt) {
     const std::string world =
         Objects()
             .PointLight("0 0 5", "90 90 90")
@@ -130,10 +130,10 @@ std::string Foggy(const std::string &medium) {
 
 void ExpectEqualMeans(const RunningStatistics &a, const RunningStatistics &b, const std::string &what) {
     EXPECT_LT(std::abs(a.mean - b.mean), 5 * std::hypot(a.StandardError(), b.StandardError())) << what;
-    EXPECT_LT(a.StandardError(), 0.02 * a.mean) << what << ": too noisy to tell";
+    EXPECT_LT(a.StandardError(), 0.02 * a.mean) << what << ": too noisy to compare";
 }
 
-/// Each medium with every other sampler, in turn: media and samplers do not know one another.
+/// Each medium with every other sampler, in turn, because media and samplers are independent.
 TEST(VolPath, LightSamplersAgree) {
     const std::string lamps = Objects().PointLight("1 2 2", "9 9 9").PointLight("-2 0 -.5", "2 4 9");
     std::vector<std::string> samplers = AllSamplers().samplers.Names();
@@ -149,7 +149,7 @@ TEST(VolPath, LightSamplersAgree) {
     }
 }
 
-TEST(VolPath, FindsWhatThePlainWalkFinds) {
+TEST(VolPath, MatchesThePlainRandomWalk) {
     const std::string lamp =
         Objects().Attribute("Translate -1.5 1.5 .5", Objects().AreaLight("9 8 6").Diffuse("0 0 0").Sphere(1));
     for (const auto &[name, medium] : ScatteringMedia()) {
@@ -165,7 +165,7 @@ TEST(VolPath, AnyNumberOfThreadsGivesTheSameBits) {
     ExpectSameForThreads(VolumeScene(Foggy(ScatteringMedia()[3].second), {.samples = 8}));
 }
 
-TEST(VolPath, PathSeesNoMediaAndSaysSo) {
+TEST(VolPath, PathIgnoresMediaWithAWarning) {
     const Rendered fog = RenderText(VolumeScene(kEvenSky + Ball(ScatteringMedia()[0].second), {"path"}));
     int warnings = 0;
     for (const Diagnostic &d : fog.diagnostics) warnings += d.message.find("renders no media") != std::string::npos;

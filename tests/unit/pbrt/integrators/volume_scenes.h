@@ -43,7 +43,7 @@ inline void ExpectOfSky(const RunningStatistics &s, double expected, const std::
                         double allowed = 1e-4, double maxNoise = .01) {
     static const double sky = Green(kEvenSky).mean;
     EXPECT_LT(std::abs(s.mean / sky - expected), 4 * s.StandardError() / sky + allowed) << what;
-    EXPECT_LT(s.StandardError(), maxNoise * sky) << what << ": too noisy to tell";
+    EXPECT_LT(s.StandardError(), maxNoise * sky) << what << ": too noisy to compare";
 }
 
 inline void ExpectSameForThreads(const std::string &scene) {

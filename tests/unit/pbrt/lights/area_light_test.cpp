@@ -29,7 +29,7 @@ RunningStatistics ByUniformDirections(const Shape &shape, const Light &light, co
     return stats;
 }
 
-TEST_P(AreaLightShapes, SamplingFindsTheLightThatRaysFind) {
+TEST_P(AreaLightShapes, IrradianceBySamplingIsThatByRays) {
     const std::shared_ptr<Shape> &shape = GetParam().shape;
     for (bool twoSided : {false, true}) {
         auto light = MakeAreaLight(Params().Bool("twosided", twoSided), *shape);

@@ -84,7 +84,7 @@ TEST_P(PortalsOfEnvironments, DirectionsFollowTheDensity) {
     EXPECT_GE(tested, 4u);
 }
 
-TEST_P(PortalsOfEnvironments, PartsAddUpToTheWhole) {
+TEST_P(PortalsOfEnvironments, ComponentsAddUpToTheLight) {
     for (const Point3 &p : kPlaces) {
         // What each part brings, by its own samples and by directions drawn evenly.
         std::vector<RunningStatistics> bySamples(portals->Count()), byDirections(portals->Count());
@@ -110,7 +110,7 @@ TEST_P(PortalsOfEnvironments, PartsAddUpToTheWhole) {
     }
 }
 
-TEST_P(PortalsOfEnvironments, TheRestIsWhatNoWindowShows) {
+TEST_P(PortalsOfEnvironments, TheRestIsWhatNoPortalShows) {
     const size_t rest = portals->Count();
     Rng rng(11);
     int found = 0;
@@ -126,7 +126,7 @@ TEST_P(PortalsOfEnvironments, TheRestIsWhatNoWindowShows) {
     EXPECT_GT(found, 100);
 }
 
-TEST_P(PortalsOfEnvironments, TheIntegralIsThatOfTheRadianceInTheWindow) {
+TEST_P(PortalsOfEnvironments, TheIntegralIsThatOfTheRadianceInThePortal) {
     Rng rng(13);
     for (size_t k : {size_t{0}, size_t{1}, size_t{3}}) {
         const Portal &portal = (*portals)[k];

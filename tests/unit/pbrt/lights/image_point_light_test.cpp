@@ -24,7 +24,7 @@ TEST_F(Goniometric, PowerParameterIsTheFlux) {
     EXPECT_NEAR(Lumens(*light), 12, 0.05);
 }
 
-TEST_F(Goniometric, ImageIsFoundByDirectionWithYAndZSwapped) {
+TEST_F(Goniometric, ImageIsIndexedByDirectionWithYAndZSwapped) {
     Transform ctm = Transform::Translate({1, 2, 3}) * Transform::Rotate(35, {3, 1, 2}) * Transform::Scale(Vector3(2));
     auto light = Make("goniometric", FileParams(file_), ctm);
     auto one = Make("point", Params(), ctm);
@@ -49,7 +49,7 @@ TEST_F(Goniometric, RgbImagesCountByTheirMeanAndNegativeValuesAsNothing) {
     EXPECT_FALSE(dark->Bounds());
 }
 
-TEST_F(Goniometric, WithoutAnImageItIsAPointLightAndSaysSo) {
+TEST_F(Goniometric, WithoutAnImageItIsAPointLightWithAWarning) {
     DiagnosticSink sink;
     auto light = Make("goniometric", Params().Number("power", 7), {}, {}, sink);
     EXPECT_EQ(sink.All().size(), 1u);

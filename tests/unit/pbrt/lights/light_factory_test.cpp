@@ -9,7 +9,7 @@ void ExpectComplaint(const std::string &type, const ParamSet &params, int line, 
     ExpectErrorAt([&] { Make(type, params); }, line, {words...});
 }
 
-TEST(LightFactory, UnknownLightListsTheKnownOnes) {
+TEST(LightFactory, UnknownLightListsTheValidOnes) {
     ExpectComplaint("spott", Params(), 100, "did you mean \"spot\"", "infinite");
     DiagnosticSink sink;
     ExpectErrorAt([&] { MakeAreaMaker(Params(), sink, "difuse"); }, 100, {"did you mean \"diffuse\""});
@@ -92,8 +92,8 @@ TEST(LightFactory, DirectionsAndConesAreChecked) {
     for (Float edge : {-1.f, 61.f}) ExpectComplaint("spot", Cone(30, edge), 2, "conedeltaangle");
 }
 
-TEST(LightFactory, EveryParameterOfALightIsAskedFor) {
-    TemporaryImage image("asked.exr", RgbImage({4, 4}, [](int, int) { return Rgb(1); }));
+TEST(LightFactory, EveryParameterOfALightIsRead) {
+    TemporaryImage image("read.exr", RgbImage({4, 4}, [](int, int) { return Rgb(1); }));
     const auto ones = [](std::initializer_list<const char *> names) {
         Params params;
         for (const char *name : names) params.Number(name, 1);

@@ -4,7 +4,7 @@
 namespace pbrt::test {
 namespace {
 
-TEST(LightTable, KeepsOrderAndKnowsWhoIsInfinite) {
+TEST(LightTable, KeepsOrderAndListsInfiniteLights) {
     LightTable table;
     LightId point = table.Add(Make("point", Params()));
     LightId sky = table.Add(Make("infinite", Params()));

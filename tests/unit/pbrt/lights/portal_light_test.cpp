@@ -10,7 +10,7 @@ Rgb SkyBehindPortal(int x, int y) {
     return {0.1f * Float(x), 0.4f, 0.05f * Float(y)};
 }
 
-/// A window of 2 x 1 in the plane z = 1, seen from below (cross(p3 - p0, p1 - p0) is +z); the whole is turned by kTurn.
+/// A portal of 2 x 1 in the plane z = 1, visible from below (cross(p3 - p0, p1 - p0) is +z), and turned by kTurn.
 const Transform kTurn = Transform::Translate({0.3f, -0.2f, 0.1f}) * Transform::Rotate(33, {1, 3, 2});
 std::vector<Float> Corners(const Transform &turn = kTurn) {
     std::vector<Float> v;
@@ -23,16 +23,16 @@ std::vector<Float> Corners(const Transform &turn = kTurn) {
 
 Params BehindPortal(Params sky) { return sky.Floats(ParamType::Point3, "portal", Corners()); }
 
-class SkyThroughPortal : public testing::Test {
+class EnvironmentThroughPortal : public testing::Test {
   protected:
-    SkyThroughPortal() : file_("portal.exr", RgbImage({16, 16}, SkyBehindPortal)) {}
+    EnvironmentThroughPortal() : file_("portal.exr", RgbImage({16, 16}, SkyBehindPortal)) {}
     Params File() const { return BehindPortal(FileParams(file_)); }
     std::unique_ptr<Light> MakeIt() const {
         auto light = Make("infinite", File().Number("scale", 0.8f), Transform::Rotate(40, {1, 2, 3}));
         light->Preprocess({0, 0, 0}, 5);
         return light;
     }
-    /// True if the line from p along w goes through the window: slow, but simple.
+    /// True if the line from p along w goes through the portal: slow, but simple.
     static bool ThroughWindow(const Point3 &p, const Vector3 &w, Float margin) {
         Point3 o = kTurn.InversePoint(p);
         Vector3 d = kTurn.InverseVector(w);
@@ -50,7 +50,7 @@ class SkyThroughPortal : public testing::Test {
 
 const Point3 kViewpoints[] = {Point3(0, 0, 0), Point3(0.2f, 0.1f, 0.9f), Point3(-2, 0.3f, -0.5f), Point3(3, 4, -12)};
 
-TEST_F(SkyThroughPortal, DirectionsFollowTheDensityOfThePointTheyAreSeenFrom) {
+TEST_F(EnvironmentThroughPortal, DirectionsFollowTheDensityAtTheirPoint) {
     auto light = MakeIt();
     for (const Point3 &place : kViewpoints) {
         Point3 p = kTurn.Point(place);
@@ -74,7 +74,7 @@ TEST_F(SkyThroughPortal, DirectionsFollowTheDensityOfThePointTheyAreSeenFrom) {
     }
 }
 
-TEST_F(SkyThroughPortal, DensityAndRadianceOfASampleAreThoseOfItsDirection) {
+TEST_F(EnvironmentThroughPortal, DensityAndRadianceOfASampleAreThoseOfItsDirection) {
     auto light = MakeIt();
     Rng rng(5);
     int same = 0, all = 0;
@@ -86,14 +86,14 @@ TEST_F(SkyThroughPortal, DensityAndRadianceOfASampleAreThoseOfItsDirection) {
         ASSERT_TRUE(std::isfinite(s->pdf) && s->pdf > 0);
         EXPECT_GE(Length(s->pLight - p), 9.9f);
         Float pdf = light->PdfLi(At(p), s->wi, {}, {}, true), L = light->Le(p, s->wi, kLambda).Average();
-        // Rounding moves a few samples across the border of a pixel or of the window.
+        // Rounding moves a few samples across the border of a pixel or of the portal.
         same += std::abs(pdf / s->pdf - 1) < 2e-2f && std::abs(L / s->L.Average() - 1) < 1e-3f;
     }
     EXPECT_GT(all, 15000);
     EXPECT_GT(same, 0.99 * all);
 }
 
-TEST_F(SkyThroughPortal, LightComesOnlyThroughTheWindowAndOnlyInwards) {
+TEST_F(EnvironmentThroughPortal, LightComesOnlyThroughThePortalAndOnlyInwards) {
     auto light = MakeIt();
     Rng rng(6);
     int through = 0;
@@ -113,8 +113,8 @@ TEST_F(SkyThroughPortal, LightComesOnlyThroughTheWindowAndOnlyInwards) {
         << "the point is in the plane of the portal";
 }
 
-TEST_F(SkyThroughPortal, WhatIsSeenThroughItIsTheSkyBeyond) {
-    // A smooth sky, which resampling changes little.
+TEST_F(EnvironmentThroughPortal, RadianceIsThatOfTheEnvironmentBeyond) {
+    // A smooth environment, which resampling changes little.
     TemporaryImage smooth("smooth.exr", RgbImage({64, 64}, [](int x, int y) {
                               const Vector3 w = EqualAreaSquareToSphere(PixelCenter(x, y, {64, 64}));
                               return Rgb(1 + 0.5f * w.x, 1 + 0.5f * w.y, 1 + 0.5f * w.z);
@@ -134,9 +134,9 @@ TEST_F(SkyThroughPortal, WhatIsSeenThroughItIsTheSkyBeyond) {
     EXPECT_GT(seen, 3000);
 }
 
-TEST_F(SkyThroughPortal, PhiIsWhatComesThroughTheWindow) {
+TEST_F(EnvironmentThroughPortal, PhiIsThePowerThroughThePortal) {
     auto light = MakeIt();
-    // The power through the window: radiance times cosine over the half-space, seen from just inside, times the area.
+    // The power through the portal: radiance times cosine over the half-space just inside, times the area.
     Rng rng(8);
     RunningStatistics stats;
     for (int k = 0; k < 200000; ++k) {
@@ -148,7 +148,7 @@ TEST_F(SkyThroughPortal, PhiIsWhatComesThroughTheWindow) {
     EXPECT_NEAR(stats.mean, phi, 4.5 * stats.StandardError() + 2e-2 * phi);
 }
 
-TEST_F(SkyThroughPortal, IsGivenInWorldSpaceAndStaysThereInAnyRenderingSpace) {
+TEST_F(EnvironmentThroughPortal, IsGivenInWorldSpaceAndStaysThereInAnyRenderingSpace) {
     auto light = MakeIt();
     DiagnosticSink sink;
     for (Transform renderFromWorld :
@@ -170,7 +170,7 @@ TEST_F(SkyThroughPortal, IsGivenInWorldSpaceAndStaysThereInAnyRenderingSpace) {
     }
 }
 
-TEST_F(SkyThroughPortal, OpeningHoldsTheWindowAndPointsInwards) {
+TEST_F(EnvironmentThroughPortal, OpeningBoundsThePortalAndPointsInwards) {
     auto light = MakeIt();
     EXPECT_FALSE(light->Bounds()) << "for stock samplers a portal light is an infinite light without bounds";
     auto opening = light->AsEnvironment()->Opening();
@@ -202,7 +202,8 @@ TEST(PortalIlluminance, IsMeasuredInTheOrderOfTheChannelsInTheFile) {
         return Nits(*Make("infinite", params.Number("illuminance", 3)), kTurn.Vector({0, 0, 1}),
                     kTurn.Point(Point3(0)));
     };
-    // As in stock pbrt-v4 without a portal, there is a factor of two: an even sky of luminance 1 counts as pi / 2.
+    // As in stock pbrt-v4 without a portal, there is a factor of two: a uniform environment of luminance 1 counts as pi
+    // / 2.
     auto expected = [&](const Rgb &counted) {
         const Float luminance = Dot(weights, sky), measured = Dot(counted, sky) * Pi / 2;
         return double(luminance * 3 / measured);

@@ -35,7 +35,7 @@ TEST(LightSamplerRegistry, StockSamplers) {
     }
 }
 
-TEST(LightSamplerRegistry, UnknownNameListsTheKnownOnes) {
+TEST(LightSamplerRegistry, UnknownNameListsTheValidOnes) {
     LightSamplerRegistry registry;
     RegisterStockLightSamplers(registry);
     auto file = std::make_shared<SourceFile>(SourceFile{"x.pbrt", ""});

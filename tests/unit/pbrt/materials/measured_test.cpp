@@ -218,7 +218,7 @@ TEST_F(Measured, MaterialReadsItsFileAndErrorsNameIt) {
     TensorWriter infinite;
     infinite.Add("phi_i", {1}, {std::numeric_limits<float>::infinity()});
     expect(infinite.Bytes(), "field \"phi_i\": value 0 is inf");
-    // Two fields share the same bytes: so a small file can ask for much memory.
+    // Two fields share the same bytes: so a small file can need much memory.
     std::string shared = few.Bytes();
     const size_t second = shared.find("theta_i") + 7 + 2 + 1, first = shared.find("phi_i") + 5 + 2 + 1;
     uint64_t size = shared.size() / 4;

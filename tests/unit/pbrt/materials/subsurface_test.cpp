@@ -27,7 +27,7 @@ class Subsurface : public MaterialTest {
     const SubsurfaceTable plain_ = SubsurfaceTable::Compute(0, 1.33f);
 };
 
-TEST_F(Subsurface, FourWaysToSayIt) {
+TEST_F(Subsurface, FourSetsOfParametersGiveOneMedium) {
     const Bssrdf milk = By(Unbounded(.0011f, .0024f, .014f), Unbounded(2.55f, 3.21f, 3.77f), plain_);
     ExpectSame(BssrdfOf(Params()), milk);
     ExpectSame(BssrdfOf(Params().String("name", "Wholemilk")), milk);

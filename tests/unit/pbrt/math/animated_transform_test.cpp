@@ -62,7 +62,7 @@ TEST(AnimatedTransform, TurnsTheShortWay) {
 }
 
 /// The interpolation must not depend on how rendering space is turned and moved against world space.
-TEST(AnimatedTransform, LooksTheSameFromEverywhere) {
+TEST(AnimatedTransform, CommutesWithAnOuterTransform) {
     Rng rng(2);
     for (int i = 0; i < 50; ++i) {
         auto random = [&] {
@@ -76,7 +76,7 @@ TEST(AnimatedTransform, LooksTheSameFromEverywhere) {
     }
 }
 
-TEST(AnimatedTransform, KnowsWhatCannotBeInterpolated) {
+TEST(AnimatedTransform, FlatAndMirroredOnesCannotBeInterpolated) {
     const Transform one, flat = Transform::Scale({1, 1, 0}), mirrored = Transform::Scale({1, 1, -1});
     EXPECT_TRUE(AnimatedTransform::CanInterpolate(one, Transform::Scale({-2, -1, 1})));
     EXPECT_TRUE(AnimatedTransform::CanInterpolate(mirrored, Transform::Scale({-3, 1, 1})));
@@ -85,7 +85,7 @@ TEST(AnimatedTransform, KnowsWhatCannotBeInterpolated) {
     EXPECT_FALSE(AnimatedTransform::CanInterpolate(one, mirrored));
 }
 
-TEST(AnimatedTransform, KnowsWhetherAxesStay) {
+TEST(AnimatedTransform, KeepsAxesUnlessTheyTurn) {
     const Transform turned = Transform::Rotate(30, {1, 2, 3}), longer = Transform::Scale({1, 4, 2});
     EXPECT_TRUE(AnimatedTransform({}, 0, Transform::Translate({1, 2, 3}) * longer, 1).KeepsAxes());
     EXPECT_TRUE(AnimatedTransform(turned, 0, Transform::Translate({1, 2, 3}) * turned * longer, 1).KeepsAxes());

@@ -83,7 +83,7 @@ TEST(Emission, NoneAt100KelvinAndBelow) {
     for (int k = 0; k < SpectrumSamples; ++k) EXPECT_NEAR(c[k], 2 * body[k], 1e-5f);
 }
 
-TEST(Emission, LeOfAUniformGridIsTheSameEverywhereUnlessLescaleSaysOtherwise) {
+TEST(Emission, LeOfAUniformGridIsConstantUnlessLescaleVaries) {
     Params plain = CountOf({2, 1, 1});
     plain.Floats(ParamType::Float, "density", {1, 2}).Rgb("Le", 1, 1, 1);
     Params scaled = plain;

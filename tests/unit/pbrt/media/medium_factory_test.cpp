@@ -17,7 +17,7 @@ void ExpectComplaint(const std::string &type, const ParamSet &params, int line, 
 
 Params Density(std::vector<Float> values) { return Params().Floats(ParamType::Float, "density", std::move(values)); }
 
-TEST(MediumFactory, UnknownTypesListTheKnownOnes) {
+TEST(MediumFactory, UnknownTypesListTheValidOnes) {
     ExpectComplaint("homogenous", Params(), 100, "did you mean \"homogeneous\"");
     EXPECT_EQ(Media().Names(), (std::vector<std::string>{"cloud", "homogeneous", "nanovdb", "rgbgrid", "uniformgrid"}));
 }

@@ -92,7 +92,7 @@ class StepSearch {
     double diagonal_ = 1;
 };
 
-TEST(HaltonSteps, AreThoseThatTheSearchFinds) {
+TEST(HaltonSteps, AreThoseOfTheSearch) {
     StepSearch search;
     std::string found = "1, 1";
     bool same = true;

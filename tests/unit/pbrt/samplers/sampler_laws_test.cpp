@@ -13,7 +13,7 @@ class EverySampler : public testing::TestWithParam<SamplerCase> {};
 INSTANTIATE_TEST_SUITE_P(All, EverySampler, testing::ValuesIn(RandomizedSamplers()),
                          [](const auto &test) { return test.param.Name(); });
 
-/// The numbers that an integrator asks for, in its order.
+/// The numbers that an integrator draws, in its order.
 std::vector<Float> Draw(Sampler &s, Point2i pixel, int index) {
     std::vector<Float> v;
     s.StartPixelSample(pixel, index);
@@ -78,7 +78,7 @@ TEST_P(EverySampler, DimensionArgumentSkips) {
 }
 
 TEST_P(EverySampler, NumbersDependOnTheDimensionOnly) {
-    // Not on where the sample was started, nor on what was asked for before: numbers are prepared in runs, and these
+    // Not on where the sample was started, nor on what was drawn before: numbers are prepared in runs, and these
     // begin elsewhere then.
     std::unique_ptr<Sampler> s = GetParam().Make(16), other = GetParam().Make(16);
     const int first = GetParam().pixelOwnsDimensions ? 0 : 2;

@@ -61,7 +61,7 @@ TEST(Scene, PrimitivesOfAnEmissiveMeshAreLightsOfTheirOwn) {
     EXPECT_EQ(std::abs(int(first->light.value) - int(second->light.value)), 1);
 }
 
-TEST(Scene, InstancesAreSeenWhereTheyArePlaced) {
+TEST(Scene, RaysHitInstancesWhereTheyArePlaced) {
     const BuiltScene built = Build("ObjectBegin 'o'\n" + kQuad +
                                    "ObjectEnd\n"
                                    "AttributeBegin Translate 10 0 0 Rotate 90 0 1 0 ObjectInstance 'o' AttributeEnd\n"
@@ -78,7 +78,7 @@ TEST(Scene, InstancesAreSeenWhereTheyArePlaced) {
     EXPECT_FALSE(Hit(built, {0, 0, 4}, {0, 0, -1}));
 }
 
-TEST(Scene, MovingThingsAreSeenWhereTheyAreThen) {
+TEST(Scene, RaysHitMovingShapesAtTheirTime) {
     const BuiltScene built = Build("ActiveTransform EndTime Translate 8 0 0 ActiveTransform All\n" + kQuad);
     auto sees = [&](Float x, Float time) { return Hit(built, {x, 0, 3}, {0, 0, -1}, time).has_value(); };
     EXPECT_TRUE(sees(0, 0) && sees(4, 0.5f) && sees(8, 1));
@@ -161,7 +161,7 @@ TEST(Scene, CrossingsAreThoseOfOneMaterialAndEquallyLikely) {
     EXPECT_FALSE(built.scene->SampleCrossing({0.1f, 0.1f, 3.2f}, {0.1f, 0.1f, 4.5f}, 0, a, 0.3f));
 }
 
-TEST(Scene, KnowsWhatItsMaterialsNeed) {
+TEST(Scene, NeedsFootprintsAndSubsurfaceOnlyForMaterialsWithThem) {
     const std::string checks = "Texture 't' 'spectrum' 'checkerboard' Material 'diffuse' 'texture reflectance' 't'\n";
     EXPECT_FALSE(Build(kQuad).scene->NeedsFootprints());
     EXPECT_FALSE(Build(kQuad).scene->HasSubsurface());

@@ -75,7 +75,7 @@ TEST(Shading, MixturesTakeOneOfTheirMaterialsPerPoint) {
     EXPECT_NEAR(light / double(kPoints), 0.25, 0.05);
 }
 
-TEST(Shading, LampsEmitFromTheirFrontUnlessTwosided) {
+TEST(Shading, AreaLightsEmitFromTheirFrontUnlessTwosided) {
     for (const char *sides : {"", "'bool twosided' true"}) {
         const BuiltScene built =
             BuildView(fmt::format("AreaLightSource 'diffuse' 'rgb L' [3 3 3] {}\n{}", sides, kFacingQuad));
@@ -107,7 +107,7 @@ std::pair<CameraRay, SurfacePoint> Seen(const BuiltScene &built, const Point2 &p
     return {ray, point};
 }
 
-TEST(Footprint, IsThePixelsSizeWhereTheCameraLooks) {
+TEST(Footprint, IsThePixelsSizeOnTheCamerasAxis) {
     const BuiltScene built = BuildView(kFacingQuad);
     auto [ray, point] = Seen(built, {50, 50});
     // The size of a pixel at distance 4, with 100 pixels over 60 degrees.

@@ -91,7 +91,7 @@ TEST_F(SceneFiles, CompressedFilesAreReadEverywhere) {
     ExpectMessages(sink_, {{Severity::Error, 2, 0, "Bad"}}, "gz");
 }
 
-TEST_F(SceneFiles, FilesThatReadThemselvesAreFound) {
+TEST_F(SceneFiles, FilesThatReadThemselvesAreErrors) {
     Write("a.pbrt", "Include 'b.pbrt'");
     Write("b.pbrt", "\nInclude './a.pbrt'");
     ExpectMain("WorldBegin Include 'a.pbrt'", {{Severity::Error, 2, 8, "reads itself"}});

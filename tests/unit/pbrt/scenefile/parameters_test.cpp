@@ -82,7 +82,7 @@ TEST(Parameters, LongListsKeepEveryNumber) {
     EXPECT_EQ(p.floats.capacity(), p.floats.size());
 }
 
-TEST(ParameterErrors, UnknownTypeListsTheTypesAndGoesOn) {
+TEST(ParameterErrors, UnknownTypeListsTheTypesAndParsingContinues) {
     for (const char *type : {"point", "color", "xyz", "Float", "vector"})
         ExpectWorldError(fmt::format("Shape 's' '{} a' [ 1 2 3 ] 'float b' 1\nShape 't'", type), 2, 10,
                          "unknown parameter type");

@@ -131,7 +131,7 @@ TEST(Curves, PiecesTogetherAreTheSegmentAndBoundsHoldThem) {
     EXPECT_GT(several, 10);
 }
 
-TEST(Curves, SurfacesKnowTheirDerivativesAndTurnAsTheirKindSays) {
+TEST(Curves, DerivativesMatchDifferencesAndNormalsFollowTheKind) {
     Rng rng(9);
     for (CurveKind kind : {CurveKind::Flat, CurveKind::Cylinder, CurveKind::Ribbon}) {
         int hits = 0, wrongPlaces = 0;

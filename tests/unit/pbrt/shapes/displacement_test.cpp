@@ -116,7 +116,7 @@ TEST(Displacement, NeedsTextureCoordinatesAndNormals) {
     }
 }
 
-TEST(Displacement, TheNumberOfTrianglesIsKnownBefore) {
+TEST(Displacement, TheNumberOfTrianglesIsComputedInAdvance) {
     const Transform place = Transform::Scale({3, 3, 3});
     const SplitSize size = MeasureSplit(QuadAndTriangle(), place);
     EXPECT_EQ(size.faces, 3);
@@ -128,7 +128,7 @@ TEST(Displacement, TheNumberOfTrianglesIsKnownBefore) {
     }
 }
 
-TEST(Displacement, TooManyTrianglesAreRefusedBeforeTheyAreMade) {
+TEST(Displacement, TooManyTrianglesThrowBeforeTheyAreMade) {
     const auto [parameter, message] = ErrorOfDisplacing(QuadAndTriangle(), 2e-6f, Flat(0.5f));
     EXPECT_EQ(parameter, "edgelength");
     ExpectWords(message, {"\"edgelength\" 2e-06", "scale 0.5", "million", "would fit"});

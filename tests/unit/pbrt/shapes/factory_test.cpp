@@ -85,7 +85,7 @@ TEST_F(ShapeFactory, PatchesDoNotReadTangents) {
 
 // An image of 4 x 2 pixels with one bright pixel in the lower row, second column. Bilinear interpolation spreads its
 // light by half a pixel.
-TEST_F(ShapeFactory, EmissionImagesSayWhereOnAPatchToSample) {
+TEST_F(ShapeFactory, EmissionImagesSetTheDensityOnAPatch) {
     const std::string file = Path("emission.exr");
     Image image(PixelFormat::Float, {4, 2}, {"R", "G", "B"});
     image.Set({1, 1}, 1, 8);
@@ -163,7 +163,7 @@ TEST_F(ShapeFactory, PlyFilesPlainAndGzipWithTrianglesAndQuads) {
     const std::string text =
         PlyText(5, {"x", "y", "z"}, 3, "0 0 0\n1 0 0\n1 1 0\n0 1 0\n2 2 2\n4 0 1 2 3\n3 1 2 4\n5 0 1 2 3 4\n");
     Write("plain.ply", text);
-    gzFile gz = gzopen(Path("named_plain.ply").c_str(), "wb");  // compressed, although the name does not say so
+    gzFile gz = gzopen(Path("named_plain.ply").c_str(), "wb");  // compressed, although the name has no .gz
     gzputs(gz, text.c_str());
     gzclose(gz);
     FileResolver files(folder_);

@@ -189,7 +189,7 @@ TEST(BilinearSurface, TextureCoordinatesReplaceParameters) {
     EXPECT_TRUE(mesh.IsParallelogram(0));
 }
 
-TEST(BilinearSurface, BothHitsOfASaddleAreFound) {
+TEST(BilinearSurface, RaysHitASaddleTwice) {
     BilinearMesh saddle(OnePrimitive({{0, 0, 1}, {1, 0, 0}, {0, 1, 0}, {1, 1, 1}}), Transform(), false);
     // This ray along the diagonal at height 0.8 meets the surface 1 - x - y + 2xy twice.
     Vector3 d = Normalize(Vector3(1, 1, 0));

@@ -64,7 +64,7 @@ TEST(ColorSpace, WhiteOfRec2020IsThatOfStocksFiles) {
     EXPECT_NEAR(ColorSpace::Find("rec2020")->White().y, 0.329023f, 2e-6);
 }
 
-TEST(ColorSpace, ChromaticitiesFindTheirSpace) {
+TEST(ColorSpace, ChromaticitiesIdentifyTheirSpace) {
     for (const std::string &name : ColorSpace::Names()) {
         const ColorSpace &s = *ColorSpace::Find(name);
         EXPECT_EQ(ColorSpace::FromChromaticities(s.R(), s.G() * Float(1.0005), s.B(), s.White()), &s);

@@ -68,7 +68,7 @@ TEST(NamedSpectra, KnownRefractiveIndices) {
     EXPECT_GT((*NamedSpectrum("metal-Ag-k"))(600), 3.0f);
 }
 
-TEST(NamedSpectra, ShortTablesGoOnWithTheirEndValues) {
+TEST(NamedSpectra, ShortTablesContinueWithTheirEndValues) {
     SpectrumPtr f1 = NamedSpectrum("stdillum-F1"), mgo = NamedSpectrum("metal-MgO-eta");
     EXPECT_GT((*f1)(360), 0.0f);
     EXPECT_FLOAT_EQ((*f1)(360), (*f1)(380));

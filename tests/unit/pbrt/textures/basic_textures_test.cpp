@@ -21,7 +21,7 @@ SampledSpectrum Albedo(Float r, Float g, Float b) {
     return RgbAlbedoSpectrum(ColorSpace::SRGB(), Rgb(r, g, b)).Sample(kLambda);
 }
 
-TEST(ConstantTexture, GivesItsValueAndSaysSo) {
+TEST(ConstantTexture, IsMarkedAsConstantAndHasItsValue) {
     Bench b;
     b.Define("a", false, "constant", Params().Number("value", 0.45f));
     b.Define("d", false, "constant", Params());

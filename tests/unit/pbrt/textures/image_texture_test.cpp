@@ -141,7 +141,7 @@ TEST_F(ImageTexture, ManyImagesKeepTheirOwnContentAndErrors) {
     EXPECT_EQ(Errors(), 3u);  // missing, broken, and the count of the missing
 }
 
-TEST_F(ImageTexture, BytesAreDecodedAsTheParameterSays) {
+TEST_F(ImageTexture, BytesAreDecodedByTheirParameter) {
     const Float stored = 128.f / 255;
     Image grey(PixelFormat::Float, {2, 2}, {"Y"});
     for (int i = 0; i < 4; ++i) grey.Set({i & 1, i >> 1}, 0, ColorEncoding{}.ToLinear(stored));

@@ -168,7 +168,7 @@ TEST(TextureLibrary, MixesOfMixesOfTheSameMustNotDoubleForEver) {
         // 2^16 - 1 evaluations are allowed, but not twice as many plus one: that is reported at the second operand of
         // the 16th texture.
         EXPECT_EQ(b.sink.All()[0].loc.line, 16 + 2) << b.sink.All()[0].message;
-        ExpectWords(b.sink.All()[0].message, {"one look-up evaluates 1.3e+05 textures; at most 65536"});
+        ExpectWords(b.sink.All()[0].message, {"1.3e+05 textures", "65536"});
     }
 }
 

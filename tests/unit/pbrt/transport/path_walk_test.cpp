@@ -36,7 +36,7 @@ struct Walker {
     PathWalk::Met met = PathWalk::Met::Nothing;
 };
 
-TEST(PathWalk, GoesThroughAsManyInterfacesAsItSaysAndEndsAtTheNext) {
+TEST(PathWalk, PassesItsMaximumOfInterfacesAndEndsAtTheNext) {
     for (int more : {0, 1}) {
         std::string shapes = Disk(200, kDiffuse);
         for (int i = 0; i < PathWalk::MaxPassed + more; ++i) shapes += Disk(1 + i, kInterface);
@@ -76,7 +76,7 @@ TEST(PathWalk, TheFootprintBehindAnInterfaceIsThatWithoutIt) {
     EXPECT_NEAR(Length(behind - bare) / Length(bare), 0, 1e-3);
 }
 
-TEST(PathWalk, MeetsTheLightOfASurfaceOrOfTheSkyButNotBoth) {
+TEST(PathWalk, MeetsTheLightOfASurfaceOrOfTheEnvironmentButNotBoth) {
     const std::string skies = "LightSource 'infinite' 'rgb L' [ 1 1 1 ]\nLightSource 'infinite' 'rgb L' [ 3 3 3 ]\n";
     auto met = [&](const std::string &shapes) {
         Walker walker(skies + shapes);
@@ -125,7 +125,7 @@ TEST(PathWalk, ScattersAsASceneIsWalkedByHand) {
     }
 }
 
-TEST(PathWalk, DifferentialsSurviveAMirrorAndEndAtADiffuseSurface) {
+TEST(PathWalk, DifferentialsContinueAtAMirrorAndEndAtADiffuseSurface) {
     const std::string texture = "Texture 't' 'spectrum' 'checkerboard' ";
     auto second = [&](const std::string &material) {
         Walker walker(texture + Disk(5, material) + Disk(-5, "Material 'diffuse' 'texture reflectance' 't'"));

@@ -83,17 +83,17 @@ TEST(LightTargets, EveryPointOfALargeLightIsExpected) {
         Make(Objects().Add("AreaLightSource 'diffuse'").Sphere(3).Triangles("-4 3.5 -4  4 3.5 -4  4 3.5 4  -4 3.5 4"));
     SampledWavelengths lambda = SampledWavelengths::SampleVisible(0.5f);
     Rng rng(2);
-    int missed = 0, asked = 0;
+    int missed = 0, tested = 0;
     for (int i = 0; i < 3000; ++i) {
         const LightSampleContext from{.p = Vector3{rng.Uniform(), rng.Uniform(), rng.Uniform()} * Float(8) - Float(4)};
         LightId light(rng.UniformInt(3));
         auto s = m.built.scene->Lights()[light].SampleLi(from, rng.Uniform2(), lambda, true);
         if (!s) continue;
-        ++asked;
+        ++tested;
         missed += !Covers(m, light, m.grid.Index(s->pLight));
     }
-    EXPECT_GT(asked, 500);
-    EXPECT_LT(missed, asked / 200);
+    EXPECT_GT(tested, 500);
+    EXPECT_LT(missed, tested / 200);
 }
 
 TEST(LightTargets, ADistantLightIsADirection) {
@@ -106,7 +106,7 @@ TEST(LightTargets, ADistantLightIsADirection) {
 const std::string kSky = std::string("LightSource \"infinite\" \"string filename\" \"") + PBRT_SOURCE_DIR +
                          "/tests/conformance/suite/scenes/assets/env_sky.exr\"";
 
-TEST(LightTargets, TheSkyIsInEqualPartsThatCoverWhatIsDrawnFromIt) {
+TEST(LightTargets, TheEnvironmentIsInEqualPartsThatCoverItsSamples) {
     Rng rng(6);
     for (int i = 0; i < 64 * 50; ++i) {
         auto part = uint32_t(i % 64);
@@ -138,7 +138,7 @@ TEST(LightTargets, TheSkyIsInEqualPartsThatCoverWhatIsDrawnFromIt) {
     EXPECT_NEAR(sum, 1, 1e-5);
 }
 
-TEST(LightTargets, ASkyOfOneColourIsNotSampledAndHasNone) {
+TEST(LightTargets, AnEnvironmentOfOneColourIsNotSampledAndHasNone) {
     Made m = Make(R"(LightSource "infinite")");
     EXPECT_EQ(m.targets.Size(), 0u);
 }

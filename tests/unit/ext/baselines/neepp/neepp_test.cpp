@@ -100,7 +100,7 @@ TEST(Neepp, ProbabilityIsTheVisibilityWithAFloorWhateverThePower) {
     EXPECT_NEAR(sampler.PMF(right, LightId(3u)), sampler.PMF(right, LightId(0u)), 1e-6f);
 }
 
-TEST(Neepp, AnAreaLightCountsByTheShareOfItThatIsSeen) {
+TEST(Neepp, AnAreaLightCountsByItsVisibleFraction) {
     // A strip of light crosses the wall; its right third is not seen from the left.
     BuiltScene built = BuildText(Halves(Objects()
                                             .Add("AreaLightSource 'diffuse'")
@@ -112,7 +112,7 @@ TEST(Neepp, AnAreaLightCountsByTheShareOfItThatIsSeen) {
     EXPECT_NEAR(sampler.GroupVisibility(row, 0) / sampler.GroupVisibility(row, 1), 2.f / 3, 0.1f);
 }
 
-TEST(Neepp, ALightSeenThroughNothingKeepsTheFloor) {
+TEST(Neepp, AnOccludedLightKeepsTheFloor) {
     BuiltScene built = BuildText(Halves(kLights));
     NeeppLightSampler sampler(built.scene->Lights(), {.voxels = 8, .samples = 16, .floor = 0.25f});
     PrepareIn(built, sampler);
@@ -136,7 +136,7 @@ TEST(Neepp, OtherSeedsTestOtherSegments) {
     EXPECT_GT(different, 5);
 }
 
-TEST(Neepp, ReportAndInspectSayWhatIsStored) {
+TEST(Neepp, ReportAndInspectListWhatIsStored) {
     BuiltScene built = BuildText(Halves(kLights));
     NeeppLightSampler sampler(built.scene->Lights(), {.voxels = 8, .samples = 16});
     PrepareIn(built, sampler);

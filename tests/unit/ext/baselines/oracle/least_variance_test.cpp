@@ -22,7 +22,7 @@ TEST(LeastVariance, WithoutBsdfSamplingIsTheRootOfTheSecondMoment) {
     EXPECT_NEAR(SecondMoment(points, pmf), sum * sum, 1e-12);
 }
 
-TEST(LeastVariance, NothingSeenIsSaidSo) {
+TEST(LeastVariance, WithoutVisibleLightReturnsFalse) {
     std::vector<LightPoint> points(6);
     std::vector<double> pmf = {1, 2, 3};
     EXPECT_FALSE(MinVariancePmf(points, pmf));
@@ -46,7 +46,7 @@ std::vector<LightPoint> RandomLights(Rng &rng, size_t lights, size_t perLight) {
     return points;
 }
 
-TEST(LeastVariance, TwoLightsAreAtTheMinimumThatAScanFinds) {
+TEST(LeastVariance, TwoLightsAreAtTheMinimumOfAScan) {
     Rng rng(3);
     int worse = 0;
     for (int trial = 0; trial < 200; ++trial) {

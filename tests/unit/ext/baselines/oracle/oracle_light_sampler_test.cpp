@@ -110,7 +110,7 @@ TEST(Oracle, HalfHiddenLightIsChosenByTheRootOfTheHalf) {
     EXPECT_NEAR(half / whole, std::sqrt(0.5f), 0.01f);
 }
 
-TEST(Oracle, WhatBsdfSamplingFindsNeedsNoLightSamples) {
+TEST(Oracle, WhatBsdfSamplingReachesNeedsNoLightSamples) {
     // A lamp that fills most of the sky, and a small one that gives the same irradiance.
     World world(kFloor + LampAbove(0, 0, 1, 5, 1) + LampAbove(0.2, 0, 0.5, 0.02, 500));
     const std::unique_ptr<OracleLightSampler> both = world.Oracle({.samples = 256, .floor = 1e-4f}),

@@ -141,7 +141,7 @@ TEST(Spatial, AVoxelDependsOnTheVoxelAndTheSeedOnly) {
     EXPECT_GT(different, n);
 }
 
-TEST(Spatial, OnlyVoxelsThatAreAskedAreFilled) {
+TEST(Spatial, OnlyQueriedVoxelsAreFilled) {
     Prepared s = Prepare(Room(kLights));
     EXPECT_EQ(s.sampler->Grid().Resolution(), glm::ivec3(64, 32, 32));
     s.sampler->Sample(QueryAt({1, 1, 1}), 0.3f);

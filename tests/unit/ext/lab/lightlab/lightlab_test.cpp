@@ -1,14 +1,14 @@
 #include <signal.h>
 #include <sys/stat.h>
 
-#include <chrono>
 #include <cmath>
 #include <filesystem>
 #include <fstream>
+#include <functional>
 #include <nlohmann/json.hpp>
 #include <sstream>
-#include <thread>
 
+#include "pbrt/core/progress.h"
 #include "support/errors.h"
 #include "unit/pbrt/cmd/pbrt/program.h"
 
@@ -80,21 +80,21 @@ TEST_F(Lightlab, WorksWithEveryIntegratorThatSamplesLights) {
     }
 }
 
-TEST_F(Lightlab, RefusesIntegratorsWithoutLightSampler) {
+TEST_F(Lightlab, IntegratorsWithoutLightSamplerAreErrors) {
     for (const std::string integrator :
          {"lightpath", "simplepath", "simplevolpath", "randomwalk", "ambientocclusion"}) {
         std::string scene = SmallScene();
         const std::string from = "\"path\" \"integer maxdepth\" 3";
         scene.replace(scene.find(from), from.size(), '"' + integrator + '"');
         Write(integrator + ".pbrt", scene);
-        const std::string message =
-            integrator + ".pbrt: the integrator \"" + integrator + "\" uses no light sampler; \"path\"";
+        const std::vector<std::string> words = {integrator + ".pbrt: ", '"' + integrator + '"', "no light sampler",
+                                                "\"path\""};
         for (const std::string &arguments :
              {integrator + ".pbrt " + kSmall, "noise " + integrator + ".pbrt --samplers uniform --spp 2 --seeds 2",
               "inspect " + integrator + ".pbrt --sampler power"}) {
             const Outcome o = Run(arguments);
             EXPECT_EQ(o.status, 1) << arguments;
-            EXPECT_TRUE(Has(o.err, message)) << arguments << "\n" << o.err;
+            ExpectWords(o.err, words);
             EXPECT_FALSE(Has(o.err, "Warning")) << o.err;
         }
     }
@@ -107,7 +107,7 @@ TEST_F(Lightlab, QuietPrintsTheTableOnly) {
     EXPECT_TRUE(Has(o.out, "uniform"));
 }
 
-TEST_F(Lightlab, ReferencesAreKeptWhereTheUserSays) {
+TEST_F(Lightlab, ReferencesAreKeptInTheCacheOrTheGivenFolder) {
     RunWell("scene.pbrt --out one " + kSmall);
     EXPECT_EQ(ReferencesIn("cache/pbrt_octree").size(), Results("one").at("references").size());
     EXPECT_TRUE(ReferencesIn(".").empty());
@@ -122,7 +122,7 @@ TEST_F(Lightlab, ReferencesAreKeptWhereTheUserSays) {
     EXPECT_EQ(ReferencesIn("four"), ReferencesIn("mine"));
 }
 
-TEST_F(Lightlab, KilledExperimentEndsAsIfNothingHadHappened) {
+TEST_F(Lightlab, AResumedExperimentHasTheSameImages) {
     const std::string arguments =
         "scene.pbrt --samplers uniform,power --spp 512 --seeds 1 --reference-spp 64 --no-report --out ";
     RunWell(arguments + "whole");
@@ -143,19 +143,24 @@ TEST_F(Lightlab, KilledExperimentEndsAsIfNothingHadHappened) {
 
 TEST_F(Lightlab, EverySignalEndsItSoonWithItsStatus) {
     ASSERT_EQ(mkfifo(Path("pipe").c_str(), 0600), 0);
+    const auto isReading = [](pid_t) { return true; };
+    const std::pair<const char *, std::function<bool(pid_t)>> cases[] = {
+        {"pipe --no-report --samplers uniform", isReading},
+        {"inspect pipe --sampler uniform", isReading},
+        {"scene.pbrt --no-report --samplers uniform --spp 100000000 --seeds 1 --reference-spp 100000000 --out long",
+         [&](pid_t) { return Exists("long/records"); }},
+        {"inspect scene.pbrt --sampler uniform --samples 1000000",
+         [&](pid_t pid) { return Has(Messages(pid), "building: done"); }}};
     for (int signal : {SIGINT, SIGTERM, SIGHUP})
-        for (
-            const char *arguments :
-            {"pipe --no-report --samplers uniform", "inspect pipe --sampler uniform",
-             "scene.pbrt --no-report --samplers uniform --spp 100000000 --seeds 1 --reference-spp 100000000 --out long",
-             "inspect scene.pbrt --sampler uniform --samples 1000000"}) {
+        for (const auto &[arguments, isAtWork] : cases) {
+            std::filesystem::remove_all(Path("long"));
             const pid_t pid = Start(arguments);
-            EXPECT_TRUE(WaitUntil([&] { return CatchesInterrupt(pid); }));
-            std::this_thread::sleep_for(std::chrono::milliseconds(300));
+            EXPECT_TRUE(WaitUntil([pid, &isAtWork = isAtWork] { return HandlesSignals(pid) && isAtWork(pid); }))
+                << Messages(pid);
             const auto start = std::chrono::steady_clock::now();
             kill(pid, signal);
             const Outcome o = Wait(pid);
-            EXPECT_LT(std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count(), 5) << arguments;
+            EXPECT_LT(SecondsSince(start), 5) << arguments;
             EXPECT_EQ(o.status, 128 + signal) << arguments << "\n" << o.err;
             EXPECT_TRUE(Has(o.err, "Interrupted")) << arguments << "\n" << o.err;
             for (const auto &entry : std::filesystem::recursive_directory_iterator(Path(".")))
@@ -248,11 +253,11 @@ TEST_F(Lightlab, HelpNamesEveryFlag) {
                         "--samples-from", "--nthreads", "--quiet", "inspect"});
     EXPECT_EQ(Run("inspect --help").status, 0);
     EXPECT_TRUE(Run("--version").out.starts_with("pbrt_octree "));
-    ExpectErrors({{"scene.pbrt --sppp 3", {"unknown flag --sppp; did you mean --spp?"}},
+    ExpectErrors({{"scene.pbrt --sppp 3", {"--sppp", "did you mean --spp?"}},
                   {"scene.pbrt --refrence-spp 3", {"did you mean --reference-spp?"}},
                   {"scene.pbrt --lightsampler octree", {"--samplers lists"}},
                   {"inspect scene.pbrt --divisr 2", {"did you mean --divisor?"}},
-                  {"noise scene.pbrt --seds 2", {"unknown flag --seds; did you mean --seeds?"}}});
+                  {"noise scene.pbrt --seds 2", {"--seds", "did you mean --seeds?"}}});
 }
 
 TEST_F(Lightlab, MissingScriptsCostTheReportOnly) {

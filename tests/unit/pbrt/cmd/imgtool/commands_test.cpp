@@ -34,7 +34,7 @@ TEST_F(Imgtool, ErrorIsTheMeanOverAllFilesWithThePrefix) {
                   {"error run", "--reference"}});
 }
 
-TEST_F(Imgtool, ErrorTakesNamesAndPatternsAndSaysWhatItCompared) {
+TEST_F(Imgtool, ErrorTakesNamesAndPatternsAndListsTheFiles) {
     for (auto [name, value] : {std::pair("run1.exr", 3.f), std::pair("run10.exr", 4.f),
                                std::pair("run1.exr.old.exr", 5.f), std::pair("ref.exr", 2.f)})
         WriteImage(Path(name), Constant({4, 3}, value));

@@ -162,7 +162,7 @@ TEST_F(Imgtool, DiffByFlipWritesOneValuePerPixel) {
     EXPECT_EQ(Run("diff lamp.exr --reference white.exr --metric HDR-FLIP").status, 1);
 }
 
-TEST_F(Imgtool, DiffLooksOnlyAtTheChosenPart) {
+TEST_F(Imgtool, DiffComparesOnlyTheChosenPart) {
     Image image = Write("a.exr", 4, 3, kRgb);
     image.Set({3, 2}, 2, 9);
     WriteImage(Path("b.exr"), image);
@@ -177,7 +177,7 @@ TEST_F(Imgtool, DiffNeverCallsInvalidPixelsEqual) {
     EXPECT_EQ(Run("diff nan.exr --reference nan.exr").status, 1);
 }
 
-TEST_F(Imgtool, DiffRefusesWhatCannotBeCompared) {
+TEST_F(Imgtool, DiffOfImagesThatDoNotMatchIsAnError) {
     Write("a.exr", 4, 3, kRgb);
     Write("small.exr", 3, 3, kRgb);
     Write("grey.exr", 4, 3, {"Y"});

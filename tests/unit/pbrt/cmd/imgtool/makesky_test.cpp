@@ -16,7 +16,7 @@ double SunLux(const PreethamSky &sky) { return Lux(sky.SunRadiance()) * SunSolid
 
 }  // namespace
 
-TEST(PreethamSky, ZenithIsWhatThePaperSays) {
+TEST(PreethamSky, ZenithIsThatOfThePaper) {
     const PreethamSky sky(45, 3, 0);
     const Xyz zenith = sky.Radiance({0, 0, 1});
     // Appendix A.2, computed by hand: (4.0453 * 3 - 4.9710) tan((4/9 - 3/120) 90 deg) - 0.2155 * 3 + 2.4192 kcd/m^2.

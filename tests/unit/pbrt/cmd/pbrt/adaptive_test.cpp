@@ -60,7 +60,7 @@ TEST_F(Adaptive, ImagesDoNotDependOnThreadsOrSplits) {
     EXPECT_FALSE(SamePixels(one, Render("--lightsampler bvh scene.pbrt --aov samples" + plain_)));
 }
 
-TEST_F(Adaptive, KilledAndInterruptedRendersGoOnToTheSameBits) {
+TEST_F(Adaptive, KilledAndInterruptedRendersResumeToTheSameBits) {
     Write("scene.pbrt", NoisyBall(1024, "", "independent"));
     for (const std::string integrator : {"path", "bdpt"}) {
         const std::string arguments = (integrator == "path" ? learning_ : adaptive_) + "--integrator " + integrator +
@@ -82,12 +82,12 @@ TEST_F(Adaptive, AnyNumberOfProcessesGivesTheSameBits) {
         ExpectAdaptive(ExpectSameBits(flags + "scene.pbrt", {2, 3}, "pbrt.noise"));
 }
 
-TEST_F(Adaptive, TheNoiseRequestedIsTheNoiseFound) {
+TEST_F(Adaptive, TheNoiseReachedIsTheNoiseRequested) {
     Write("ball.pbrt", NoisyBall(16));
     Write("room.pbrt", GuidedScene(16));
     for (const auto &[scene, noise] : {std::pair("ball.pbrt", 0.06), {"room.pbrt", 0.15}}) {
         const std::string file = std::string(scene) + " --lightsampler uniform ";
-        // Two references tell their own noise, which is not small.
+        // Two references give an estimate of their own noise, which is not small.
         const ImageFile reference = Render(file + "--spp 512 --seed 9", "reference.exr"),
                         other = Render(file + "--spp 512 --seed 10", "other.exr");
         const ImageFile image = Render(file + fmt::format("--spp 4096 --noise {}", noise));
@@ -134,7 +134,7 @@ TEST_F(Adaptive, StatisticsAreReported) {
     EXPECT_LE(NumberOf(Render("ball.pbrt --time 0.5 --noise 0.2"), "pbrt.noise"), 0.2);
 }
 
-TEST_F(Adaptive, WhatIsNotPossibleIsRefused) {
+TEST_F(Adaptive, ImpossibleCombinationsAreErrors) {
     Write("ball.pbrt", NoisyBall(4));
     Write("adaptive.pbrt", NoisyBall(4, "'bool adaptive' true"));
     Write("fixed.pbrt", NoisyBall(4, "", "halton' 'string randomization' 'none"));

@@ -68,7 +68,7 @@ class Tev:
                     if self.stops_after and len(self.log) >= self.stops_after:
                         self.connection.close()
                         return
-        except Exception as e:  # noqa: BLE001, told to the test
+        except Exception as e:  # noqa: BLE001, passed to the test
             self.failure = e
 
     def handle(self, packet):
@@ -172,11 +172,11 @@ class DisplayServer(unittest.TestCase):
         subprocess.run([PBRT, "--quiet", "scene.pbrt"], cwd=self.folder, check=True)
         self.assertEqual(watched, self.final_picture())
 
-    def test_nobody_listens(self):
+    def test_without_a_server(self):
         with socket.create_server(("127.0.0.1", 0)) as closed:
             name = f"127.0.0.1:{closed.getsockname()[1]}"
-        said = self.render(name, quiet=False)
-        self.assertRegex(said, "--display-server .*continues without it")
+        messages = self.render(name, quiet=False)
+        self.assertRegex(messages, "--display-server .*continues without it")
         self.final_picture()
         self.assertLess(self.seconds, 5)
 

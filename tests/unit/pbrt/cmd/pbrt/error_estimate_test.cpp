@@ -71,7 +71,7 @@ TEST(ErrorEstimate, NeedsTwoPicturesAndFollowsTheirOrder) {
     EXPECT_LT(*estimate.RelL2(), at16 / 2);
 }
 
-TEST(ErrorEstimates, SayWhyThereIsNone) {
+TEST(ErrorEstimates, HaveAReasonWhereThereIsNone) {
     GrowingPicture picture(3);
     ErrorEstimate estimate;
     EXPECT_EQ(estimate.WhyNone(false), "no samples yet");

@@ -1,5 +1,5 @@
-// Compares docs/reference/compatibility.md with the program: an unknown parameter makes the program list all parameters
-// that it knows.
+// Compares docs/reference/compatibility.md with the program: an unknown parameter makes the program list all valid
+// ones.
 #include <algorithm>
 #include <regex>
 #include <set>
@@ -101,11 +101,11 @@ class Format : public Program {
             } else if (directive == "AreaLightSource") {
                 world += entity + ' ' + parameters + "Shape \"disk\"\n";
             } else {  // only the last entity of this kind counts, so each gets its own scene
-                Write("one.pbrt", entity + ' ' + parameters + "WorldBegin\n");
+                Write("one.pbrt", SceneText().Head(entity + ' ' + parameters).World());
                 out.merge(ParametersThatErrorsList(Run("--quiet --outfile out.exr one.pbrt").err));
             }
         }
-        Write("world.pbrt", "WorldBegin\n" + world);
+        Write("world.pbrt", SceneText().World(world));
         out.merge(ParametersThatErrorsList(Run("--quiet --outfile out.exr world.pbrt").err));
         return out;
     }
@@ -121,7 +121,7 @@ TEST_F(Format, ParametersAreThoseOfTheDocument) {
         const Names &known = listed[entity.starts_with("Medium ") ? "MakeNamed" + entity : entity];
         for (const std::string &name : known)
             EXPECT_TRUE(documented.contains(name) || name.find('.') != std::string::npos)
-                << entity << " knows \"" << name << "\", which docs/reference/compatibility.md does not list";
+                << entity << " has \"" << name << "\", which docs/reference/compatibility.md does not list";
         for (const std::string &name : documented) {
             ++compared;
             EXPECT_TRUE(known.contains(name))

@@ -15,7 +15,7 @@ TEST_F(Images, SeedChoosesTheNoise) {
     EXPECT_TRUE(SamePixels(Render("--seed 0 scene.pbrt"), Render("scene.pbrt")));
 }
 
-TEST_F(Images, HeaderTellsHowTheImageCameAbout) {
+TEST_F(Images, HeaderStoresTheSettingsOfTheRender) {
     const ImageFile file = Render("--spp 3 scene.pbrt");
     EXPECT_EQ(IntOf(file, "samplesPerPixel"), 3);
     EXPECT_GT(NumberOf(file, "renderTimeSeconds"), 0);
@@ -42,7 +42,7 @@ TEST_F(Images, HeaderMatricesMapTheWorldIntoThePicture) {
 }
 
 // A ball around (1, 2, 3), seen through a turned and mirrored camera.
-TEST_F(Images, GBufferIsInTheSpaceThatIsAskedFor) {
+TEST_F(Images, GBufferIsInTheRequestedSpace) {
     auto render = [&](const std::string &space) {
         Write("ball.pbrt",
               SceneText()
@@ -75,7 +75,7 @@ TEST_F(Images, GBufferIsInTheSpaceThatIsAskedFor) {
 }
 
 // A square at z = 5 that faces the camera, with a checkerboard of heights 0 and 2; the height at every corner is 0.
-TEST_F(Images, DisplacedMeshesAreSplitAsTheEdgeLengthSays) {
+TEST_F(Images, DisplacedMeshesAreSplitToTheEdgeLength) {
     Write("square.ply",
           "ply\nformat ascii 1.0\nelement vertex 4\nproperty float x\nproperty float y\nproperty float z\n"
           "property float nx\nproperty float ny\nproperty float nz\nproperty float u\nproperty float v\n"

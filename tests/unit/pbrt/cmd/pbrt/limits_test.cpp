@@ -6,10 +6,9 @@ namespace pbrt::test {
 /// or an endless wait.
 class Limits : public SmallSceneProgram {
   protected:
-    /// Expects that a scene of these directives ends with status 1 and a message.
+    /// Expects that a scene of these directives ends with status 1 and a message. The options begin on line 2.
     void ExpectEnd(const std::string &options, const std::string &world, const std::vector<std::string> &parts) const {
-        Write("limit.pbrt", Quoted("Film 'rgb' 'integer xresolution' 16 'integer yresolution' 16\n" + options +
-                                   "\nWorldBegin\n" + world + "\n"));
+        Write("limit.pbrt", SceneText().Film(16, 16).Head(options).World(Objects().Add(world)));
         ExpectErrors({{"--spp 1 --outfile out.exr limit.pbrt", parts}});
     }
 };
@@ -25,14 +24,14 @@ TEST_F(Limits, PowerBeyondFloat) {
 TEST_F(Limits, PlacesAndRadiance) {
     ExpectEnd("", "LightSource 'infinite' 'rgb L' [ 3e38 1 1 ]", {"a component is above 1e+30"});
     ExpectEnd("", "AreaLightSource 'diffuse' Scale 1 1 1e20 Shape 'cylinder'",
-              {"Error: limit.pbrt:4:", "reaches to", "at most 1e+18"});
+              {"Error: limit.pbrt:3:", "reaches to", "at most 1e+18"});
     ExpectEnd("", "ObjectBegin 'o' Shape 'cylinder' ObjectEnd Scale 1 1 1e20 ObjectInstance 'o'",
               {"the instance of \"o\" reaches to"});
     ExpectEnd("",
               "ObjectBegin 'o' Shape 'disk' ObjectEnd ObjectInstance 'o'\n"
               "AttributeBegin Scale 1 1 0 ObjectInstance 'o' AttributeEnd\n"
               "ConcatTransform [ 1 0 4294967295 0  0 1 0 0  0 0 1 0  -1 1 0 1 ] ObjectInstance 'o'",
-              {"Error: limit.pbrt:6:", "too far", "^"});
+              {"Error: limit.pbrt:5:", "too far", "^"});
     ExpectEnd("Scale 1e-30 1e-30 1e-30 Translate 0 0 -1e30 Camera 'perspective'", "Shape 'sphere'",
               {"Camera reaches to"});
     ExpectEnd("Scale 0 1 1 Camera 'perspective'", "Shape 'sphere'", {"cannot be inverted"});
@@ -40,9 +39,9 @@ TEST_F(Limits, PlacesAndRadiance) {
 
 TEST_F(Limits, WhatDoesNotFitIntoMemory) {
     ExpectEnd("Film 'rgb' 'integer xresolution' 1000000 'integer yresolution' 1000000", "Shape 'sphere'",
-              {"Error: limit.pbrt:2:", "an image of 1000000 x 1000000 pixels needs about 76 TB of memory"});
+              {"Error: limit.pbrt:2:", "1000000 x 1000000 pixels", "76 TB"});
     ExpectEnd("PixelFilter 'gaussian' 'float xradius' 1e9", "Shape 'sphere'", {"at most 1000"});
-    // Where the memory cannot be estimated in advance, the message says what there was not enough memory for.
+    // Where the memory cannot be estimated in advance, the message names what needed the memory.
     for (const char *kilobytes : {"150000", "300000", "600000"}) {
         const Outcome o =
             Wait(Start("--quiet --spp 1 --outfile out.exr scene.pbrt", std::string("ulimit -v ") + kilobytes));

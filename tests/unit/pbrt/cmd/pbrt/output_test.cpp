@@ -65,12 +65,15 @@ TEST_F(Output, PipesAndDevicesAreNoAssets) {
     ASSERT_EQ(mkfifo(Path("pipe.png").c_str(), 0600), 0);
     std::filesystem::create_symlink("/dev/zero", Path("zero.exr"));
     Write("include.pbrt", Quoted("Include 'pipe.png'\n"));
-    Write("zero.pbrt", Quoted("WorldBegin\nInclude '/dev/zero'\n"));
-    Write("texture.pbrt", Quoted("WorldBegin\nTexture 't' 'spectrum' 'imagemap' 'string filename' 'pipe.png'\n"
-                                 "Texture 'u' 'spectrum' 'imagemap' 'string filename' 'zero.exr'\n"
-                                 "Material 'diffuse' 'texture reflectance' 't'\nShape 'sphere'\n"
-                                 "Material 'diffuse' 'texture reflectance' 'u'\nShape 'sphere'\n"));
-    Write("ply.pbrt", Quoted("WorldBegin\nShape 'plymesh' 'string filename' 'pipe.png'\n"));
+    Write("zero.pbrt", SceneText().World("Include '/dev/zero'\n"));
+    Write("texture.pbrt", SceneText().World(Objects()
+                                                .Add("Texture 't' 'spectrum' 'imagemap' 'string filename' 'pipe.png'")
+                                                .Add("Texture 'u' 'spectrum' 'imagemap' 'string filename' 'zero.exr'")
+                                                .Material("diffuse", "'texture reflectance' 't'")
+                                                .Sphere()
+                                                .Material("diffuse", "'texture reflectance' 'u'")
+                                                .Sphere()));
+    Write("ply.pbrt", SceneText().World(Objects().Shape("plymesh", "'string filename' 'pipe.png'")));
     ExpectErrors({{"include.pbrt", {"include.pbrt:1", "is a pipe"}},
                   {"zero.pbrt", {"zero.pbrt:2", "/dev/zero: is a device"}},
                   {"texture.pbrt", {"pipe.png: is a pipe"}},

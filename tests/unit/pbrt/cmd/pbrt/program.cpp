@@ -68,7 +68,7 @@ std::vector<std::string> Program::Files() const {
 pid_t Program::StartCommand(const std::string &command) const {
     const pid_t pid = fork();
     if (pid != 0) return pid;
-    alarm(60);  // the alarm survives exec, so a program that hangs is ended, and the test fails
+    alarm(60);  // exec keeps the alarm, so a program that hangs is ended, and the test fails
     const std::string log = (logs_ / std::to_string(getpid())).string();
     const std::string whole = fmt::format("cd '{0}' && {1} > {2}.out 2> {2}.err", folder_.string(), command, log);
     execl("/bin/sh", "sh", "-c", whole.c_str(), nullptr);
@@ -166,14 +166,16 @@ ImageFile Program::Merged(const std::string &arguments) const {
     return ReadImage(Path(arguments.substr(0, arguments.find(' '))));
 }
 
-bool Program::CatchesInterrupt(pid_t pid) {
+bool Program::HandlesSignals(pid_t pid) {
     std::error_code gone;
     if (std::filesystem::read_symlink("/proc/" + std::to_string(pid) + "/exe", gone) !=
         std::filesystem::canonical(PBRT_PROGRAM))
         return false;
     std::ifstream status("/proc/" + std::to_string(pid) + "/status");
+    const auto bit = [](int signal) { return 1ull << (signal - 1); };
+    const unsigned long long handled = bit(SIGINT) | bit(SIGTERM) | bit(SIGHUP);
     for (std::string line; std::getline(status, line);)
-        if (line.starts_with("SigCgt:")) return (std::stoull(line.substr(7), nullptr, 16) >> (SIGINT - 1)) & 1;
+        if (line.starts_with("SigCgt:")) return (std::stoull(line.substr(7), nullptr, 16) & handled) == handled;
     return false;
 }
 

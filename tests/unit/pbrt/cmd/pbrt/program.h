@@ -56,9 +56,8 @@ class Program : public FolderTest {
     Outcome Wait(pid_t pid) const;
     /// What a started process has written to standard error so far.
     std::string Messages(pid_t pid) const;
-    /// True if the process runs the program (and not the shell before it) and has set its handler for the interrupt
-    /// signal.
-    static bool CatchesInterrupt(pid_t pid);
+    /// True if the process runs the program (and not the shell before it) and handles SIGINT, SIGTERM and SIGHUP.
+    static bool HandlesSignals(pid_t pid);
     /// Starts the program, and waits until it has written the file, new or anew.
     pid_t StartUntilWritten(const std::string &arguments, const std::string &name) const;
     /// Starts a render that writes out.exr and the checkpoint c.chk, sends it the first signal once there is a

@@ -61,7 +61,7 @@ TEST_F(Mpi, GuidedPaths) {
     EXPECT_GT(IntOf(file, "guide.rouletteCells"), 0);
 }
 
-TEST_F(Mpi, WithoutLearningAndUnderASky) {
+TEST_F(Mpi, WithoutLearningAndUnderAnEnvironmentLight) {
     Write("scene.pbrt", LearningScene("rgb", 5));
     for (const std::string &arguments :
          std::vector<std::string>{"--lightsampler bvh", lights_ + "--integrator sppm --spp 9",
@@ -75,7 +75,7 @@ TEST_F(Mpi, WithoutLearningAndUnderASky) {
     EXPECT_EQ(IntOf(file, "lightSampler.portals"), 1);
 }
 
-TEST_F(Mpi, WhereAProcessWasKilledAnyNumberOfThemGoesOn) {
+TEST_F(Mpi, AKilledRenderIsResumedByAnyNumberOfRanks) {
     Write("scene.pbrt", LearningScene("gbuffer", 1024));
     for (int killed = 0; killed < 2; ++killed) {
         const Outcome o = Signal(resumed_, 2 + killed, killed, SIGKILL);
@@ -90,11 +90,11 @@ TEST_F(Mpi, WhereAProcessWasKilledAnyNumberOfThemGoesOn) {
 
 TEST_F(Mpi, ASignalToAnyProcessSavesWhatAllHaveDone) {
     Write("scene.pbrt", LearningScene("rgb", 2048));
-    for (int asked = 0; asked < 2; ++asked) {
-        const Outcome o = Signal(resumed_, 2, asked, SIGTERM);
+    for (int rank = 0; rank < 2; ++rank) {
+        const Outcome o = Signal(resumed_, 2, rank, SIGTERM);
         ExpectWords(o.err, {"c.chk holds what was rendered"});
         EXPECT_EQ(CountOf(o.err, "holds what was rendered;"), 1u) << o.err;
-        // The next one goes on amid a wave that other processes began.
+        // The next one resumes amid a wave that other processes began.
         std::filesystem::remove(Path("out.exr"));
     }
     StartAs(1);
@@ -123,7 +123,7 @@ TEST_F(Mpi, TimePartsAndSavedLights) {
     EXPECT_TRUE(SamePixels(loaded, Render(one + "--load-lights one")));
 }
 
-TEST_F(Mpi, ErrorsAreToldOnce) {
+TEST_F(Mpi, ErrorsAreReportedOnce) {
     Write("scene.pbrt", LearningScene("rgb", 4));
     Write("wrong.pbrt", LearningScene("rgb", 4) + "Shape \"spher\"\n");
     StartAs(3);

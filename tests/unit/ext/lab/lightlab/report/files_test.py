@@ -29,9 +29,7 @@ def run(script, *arguments, **environment):
 
 class WithFolder(unittest.TestCase):
     def setUp(self):
-        holder = tempfile.TemporaryDirectory()
-        self.addCleanup(holder.cleanup)
-        self.out = pathlib.Path(holder.name) / "out"
+        self.out = pathlib.Path(self.enterContext(tempfile.TemporaryDirectory())) / "out"
 
     def page(self):
         done = run("report.py", self.out)

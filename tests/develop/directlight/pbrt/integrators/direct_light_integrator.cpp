@@ -1,8 +1,8 @@
-#include "direct_light_integrator.h"
+#include "pbrt/integrators/direct_light_integrator.h"
 
 #include "pbrt/transport/direct_light.h"
 
-using namespace pbrt;
+namespace pbrt {
 
 DirectLightIntegrator::DirectLightIntegrator(const PathContext &context, int shadowRays,
                                              std::unique_ptr<LightSampler> lights)
@@ -31,3 +31,5 @@ SampledSpectrum DirectLightIntegrator::Li(const PathStart &start, SampledWavelen
     }
     return L / static_cast<Float>(shadowRays_);
 }
+
+}  // namespace pbrt

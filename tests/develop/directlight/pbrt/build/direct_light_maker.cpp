@@ -1,8 +1,7 @@
-#include "direct_light_integrator.h"
 #include "pbrt/build/integrator_builder.h"
+#include "pbrt/integrators/direct_light_integrator.h"
 
-using namespace pbrt;
-
+namespace pbrt {
 namespace {
 
 struct DirectLightParams {
@@ -33,3 +32,5 @@ void AddDirectLight(IntegratorTable &table) {
     table.Add<DirectLightParams>("directlight", "direct light on the surfaces that the camera sees", &MakeDirectLight,
                                  {.hasLightSampler = true});
 }
+
+}  // namespace pbrt

@@ -129,18 +129,6 @@ std::vector<FamilyDoc> AllFamilies(const PluginRegistry &registry) {
 }  // namespace
 
 void CheckUnbuilt(const SceneDescription &d, const PluginRegistry &registry, DiagnosticSink &sink) {
-    constexpr std::pair<std::string_view, std::string_view> kFamilyOf[] = {{"Camera", "cameras"},
-                                                                           {"Film", "films"},
-                                                                           {"PixelFilter", "filters"},
-                                                                           {"Sampler", "samplers"},
-                                                                           {"Accelerator", "accelerators"},
-                                                                           {"shape", "shapes"},
-                                                                           {"light", "lights"},
-                                                                           {"light", "arealights"},
-                                                                           {"material", "materials"},
-                                                                           {"texture", "floattextures"},
-                                                                           {"texture", "spectrumtextures"},
-                                                                           {"medium", "media"}};
     if (d.unbuilt.empty()) return;
     const std::vector<FamilyDoc> families = AllFamilies(registry);
     const auto check = [&](const std::string &key, const Entity &entity) {
@@ -152,9 +140,8 @@ void CheckUnbuilt(const SceneDescription &d, const PluginRegistry &registry, Dia
         std::set<std::pair<std::string, ParamType>> declared;
         if (key == "material" || key == "medium") reader.Declare("type", ParamType::String);
         for (const FamilyDoc &family : families) {
-            if (std::ranges::find(kFamilyOf, std::pair(std::string_view(key), std::string_view(family.name))) ==
-                std::end(kFamilyOf))
-                continue;
+            // Such as "Film" in "Film", and "light" in "LightSource" and "AreaLightSource".
+            if (Lower(family.what).find(Lower(key)) == std::string::npos) continue;
             std::vector<std::string> names;
             for (const FactoryDoc &maker : family.makers) {
                 names.push_back(maker.name);

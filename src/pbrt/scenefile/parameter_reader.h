@@ -124,8 +124,8 @@ class ParameterReader {
         std::ranges::stable_sort(sorted, {}, key);
         for (size_t i = 1; i < sorted.size(); ++i)
             if (const Param &p = *sorted[i], &before = *sorted[i - 1]; key(&p) == key(&before))
-                sink_.Warning(p.loc, "\"{} {}\" replaces the one given at {}:{}:{}.", Name(p.type),
-                              Abbreviate(p.name), before.loc.file->name, before.loc.line, before.loc.column);
+                sink_.Warning(p.loc, "\"{} {}\" replaces the one given at {}:{}:{}.", Name(p.type), Abbreviate(p.name),
+                              before.loc.file->name, before.loc.line, before.loc.column);
     }
     void ReadValues(const Param &param, bool known, Values &values) {
         floats_.clear();

@@ -70,7 +70,7 @@ TEST(BuildScene, UnknownNamesAreErrorsAlsoWhereNothingIsBuiltFromThem) {
                   {"Sampler 'halten' Sampler 'halton'", "", "Sampler 'halten' is unknown"},
                   {"PixelFilter 'bux' PixelFilter 'box'", "", "PixelFilter 'bux' is unknown"},
                   {"Accelerator 'bhv' Accelerator 'bvh'", "", "Accelerator 'bhv' is unknown"},
-                  {"", "Attribute 'shape' 'float raduis' 3", "unused parameter of Attribute 'shape'; did you mean 'radius'"},
+                  {"", "Attribute 'shape' 'float raduis' 3", "of Attribute 'shape'; did you mean 'radius'"},
                   {"", "Attribute 'shape' 'integer radius' 3", "Attribute 'shape' takes 'float radius'"},
                   {"", "Attribute 'material' 'rgb reflectanse' [ 1 0 0 ]", "did you mean 'reflectance'"},
                   {"", "Attribute 'light' 'float foo' 3", "'float foo': unused parameter of Attribute 'light'"}};
@@ -80,12 +80,12 @@ TEST(BuildScene, UnknownNamesAreErrorsAlsoWhereNothingIsBuiltFromThem) {
         EXPECT_EQ(outcome.Count(Quoted(message)), 1) << message;
         EXPECT_EQ(outcome.diagnostics.size(), 1u) << message;
     }
-    const Outcome valid = Try(Text("Film 'gbuffer' Integrator 'function' Integrator 'path' 'float octree.budget' 0.1 "
-                                   "Integrator 'path'",
-                                   std::string(kLamp) +
-                                       "Attribute 'shape' 'float alpha' 1 'float radius' 2 Attribute 'light' 'float "
-                                       "scale' 2 'bool twosided' true Attribute 'material' 'string type' 'diffuse' "
-                                       "Attribute 'texture' 'float uscale' 2 Attribute 'medium' 'float g' 0.1"));
+    const Outcome valid =
+        Try(Text("Film 'gbuffer' Integrator 'function' Integrator 'path' 'float octree.budget' 0.1 "
+                 "Integrator 'path'",
+                 std::string(kLamp) + "Attribute 'shape' 'float alpha' 1 'float radius' 2 Attribute 'light' 'float "
+                                      "scale' 2 'bool twosided' true Attribute 'material' 'string type' 'diffuse' "
+                                      "Attribute 'texture' 'float uscale' 2 Attribute 'medium' 'float g' 0.1"));
     EXPECT_TRUE(valid.isBuilt);
     EXPECT_EQ(valid.Count("unused"), 0);
 }

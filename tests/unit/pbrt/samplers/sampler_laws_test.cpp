@@ -125,6 +125,16 @@ TEST_P(EverySampler, SeedsPixelsIndicesAndDimensionsDiffer) {
     for (size_t i = 3; i < base.size(); ++i) EXPECT_NE(base[i], base[i - 1]);
 }
 
+TEST(SkippedSamples, LeaveTheRestOfTheSequence) {
+    for (const char *type : {"halton", "sobol"}) {
+        const SamplerCase c{type, "", false};
+        std::unique_ptr<Sampler> whole = c.Make(16, 1), rest = c.Make(16, 1);
+        rest->SkipSamples(16);
+        for (int i = 0; i < 16; ++i) EXPECT_EQ(Draw(*rest, {3, 4}, i), Draw(*whole, {3, 4}, 16 + i)) << type;
+        EXPECT_EQ(Draw(*rest->WithSeed(1), {3, 4}, 0), Draw(*whole, {3, 4}, 16)) << type;
+    }
+}
+
 /// Calls f with one sample of every pixel of a square film, for several seeds. Samples of the same pixel share their
 /// randomness, but the tests below need samples that are independent (or better stratified).
 template <class F>

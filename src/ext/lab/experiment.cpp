@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <filesystem>
+#include <tuple>
 
 #include "ext/lab/results.h"
 #include "ext/lab/sampler_run.h"
@@ -295,6 +296,11 @@ std::optional<ExperimentOutcome> RunExperiment(const ExperimentSettings &setting
     errors.ThrowIfErrors();
     if (!settings.referenceFile.empty())
         ReadReference(settings.referenceFile, scene);  // throws if it does not match the film
+    for (const auto &[flag, input, output] : {std::tuple("--reference", settings.referenceFile, "/reference-0.exr"),
+                                              std::tuple("--samples-from", settings.samplesFrom, "/results.json")})
+        if (!input.empty() && IsSameFile(input, settings.outFolder + output))
+            throw UserError("{} {}: the experiment in {} would overwrite this file; choose another --out.", flag, input,
+                            settings.outFolder);
     const Json identity = IdentityOf(settings, scene.hash, ThreadCount());
     const RecordFolder records(settings.outFolder + "/records", ExperimentKey(identity));
     OpenFolder(settings, identity, records);

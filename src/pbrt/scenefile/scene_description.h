@@ -88,6 +88,7 @@ struct SceneOptions {
         wavefront;
     std::optional<Float> displacementEdgeScale;
     std::optional<std::string> mseReferenceImage, mseReferenceOut, renderCoordSys;
+    FileLoc mseReferenceLoc;  ///< of the last Option that names one of these files
     std::optional<int> seed;
 };
 
@@ -105,6 +106,7 @@ struct SceneDescription {
     std::vector<ObjectEntity> objects;
     std::vector<InstanceEntity> instances;
     FileResolver files;
+    std::vector<std::string> sources;  ///< scene files, also included ones; "-": standard input
 };
 
 /// Calls f for the shapes of the scene, then for those of its objects.

@@ -266,6 +266,9 @@ std::optional<int> ParseCommandLine(int argc, const char *const *argv, CommandLi
     if (o.sceneFiles.empty()) o.sceneFiles = {"-"};
     o.build.adaptive = o.build.adaptive || o.noise > 0;
     o.memoryLimit = 1e6 * raw.memoryLimitMb;
+    for (const auto &[flag, path] : {std::pair("--checkpoint", &o.checkpoint), {"--save-lights", &o.saveLights}})
+        if (!path->empty()) o.build.outputs.push_back({flag, *path});
+    if (!o.loadLights.empty()) o.build.inputs.push_back({"--load-lights", o.loadLights});
     // A part writes no image.
     o.build.checksOutput = !o.samples;
     const auto &[crop, bounds, pixel, samples, port, limit] = raw;

@@ -209,6 +209,12 @@ TEST_F(Lightlab, SamplesOfATimedExperimentCanBeReplayed) {
     const Outcome more = Run("scene.pbrt --samples-from timed/results.json --seeds 3 --no-report --out more");
     EXPECT_EQ(more.status, 1);
     EXPECT_TRUE(Has(more.err, "seed 2")) << more.err;
+    const std::string before = Read("timed/results.json");
+    ExpectErrors({{"scene.pbrt --samples-from timed/results.json --restart --out timed",
+                   {"--samples-from timed/results.json: ", "--out"}},
+                  {"scene.pbrt --reference ./timed/reference-0.exr --restart --out timed",
+                   {"--reference ./timed/reference-0.exr: ", "--out"}}});
+    EXPECT_EQ(Read("timed/results.json"), before);
 }
 
 TEST_F(Lightlab, MistakesAreReportedTogetherAndNothingIsRendered) {

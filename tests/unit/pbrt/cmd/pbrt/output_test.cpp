@@ -50,6 +50,36 @@ TEST_F(Output, NamesMayBeLongAndInCapitals) {
     ExpectErrors({{"--spp 100000000 --outfile " + std::string(252, 'n') + ".exr scene.pbrt", {"File name too long"}}});
 }
 
+// The second of two outputs would replace the first, and a render would replace its own scene.
+TEST_F(Output, OneFileIsNotWrittenForTwoThingsNorOverAnInput) {
+    Write("part.pbrt", "# nothing\n");
+    Write("whole.pbrt", SmallScene() + Quoted("Include 'part.pbrt'\n"));
+    Write("picture.exr", "a picture");
+    Write("image.pbrt",
+          SmallScene() + Quoted("Texture 'wood' 'spectrum' 'imagemap' 'string filename' 'picture.exr'\n"));
+    Write("log.pbrt", Quoted("Option 'msereferenceimage' 'picture.exr'\nOption 'msereferenceout' './picture.exr'\n") +
+                          SmallScene());
+    std::filesystem::create_symlink("scene.pbrt", Path("link"));
+    std::filesystem::create_directory(Path("folder"));
+    ExpectErrors(
+        {{"--outfile a.exr --save-lights a.exr scene.pbrt", {"a.exr: ", "--outfile", "--save-lights"}},
+         {"--outfile a.exr --checkpoint ./folder/../a.exr scene.pbrt", {"a.exr: ", "--outfile", "--checkpoint"}},
+         {"--checkpoint c --save-lights c scene.pbrt", {"c: ", "--checkpoint", "--save-lights"}},
+         {"--save-lights scene.exr scene.pbrt", {"scene.pbrt:3:", "scene.exr: ", "--save-lights", "Film", "^"}},
+         {"--save-lights scene.pbrt scene.pbrt", {"scene.pbrt: ", "--save-lights", "the scene"}},
+         {"--save-lights link scene.pbrt", {"link: ", "--save-lights", "the scene"}},
+         {"--samples 0:1 --checkpoint c --mse-reference-image picture.exr --mse-reference-out picture.exr scene.pbrt",
+          {"picture.exr: ", "--mse-reference-out", "--mse-reference-image"}},
+         {"--mse-reference-image picture.exr --mse-reference-out part.pbrt whole.pbrt",
+          {"part.pbrt: ", "--mse-reference-out", "the scene"}},
+         {"log.pbrt", {"log.pbrt:2:7: ", "picture.exr: ", "msereferenceout", "msereferenceimage", "^"}},
+         {"--outfile picture.exr image.pbrt",
+          {"image.pbrt:", "picture.exr: ", "--outfile", "Texture \"imagemap\"", "^"}}});
+    EXPECT_EQ(Read("scene.pbrt"), SmallScene());
+    EXPECT_EQ(Read("picture.exr"), "a picture");
+    EXPECT_EQ(Read("part.pbrt"), "# nothing\n");
+}
+
 TEST_F(Output, GoesIntoPipes) {
     ASSERT_EQ(mkfifo(Path("pipe.pfm").c_str(), 0600), 0);
     const pid_t pid = Start("--quiet --spp 1 --outfile pipe.pfm scene.pbrt");

@@ -2,6 +2,7 @@
 #include <sys/stat.h>
 
 #include <algorithm>
+#include <nlohmann/json.hpp>
 
 #include "program.h"
 #include "support/small_files.h"
@@ -21,6 +22,32 @@ TEST_F(Output, AFullDiskIsAnErrorAndKeepsTheOldPicture) {
         EXPECT_EQ(Read(name), "an old picture");
         RunWell("--spp 1 --outfile " + name + " scene.pbrt");
         EXPECT_GT(Read(name).size(), 1000u) << "the picture is too small for the limit of this test";
+    }
+}
+
+// The folder of the picture vanishes during the render, and for the second render that of the scene as well.
+TEST_F(Output, AFinishedRenderIsNeverLost) {
+    const bool ext = HasExt();
+    for (const std::string rescuedIn : {"scenes/", ""}) {
+        SCOPED_TRACE(rescuedIn);
+        Write("scenes/scene.pbrt", LearningScene("rgb", 1024));
+        std::filesystem::create_directory(Path("pictures"));
+        std::filesystem::remove(Path("c.chk"));
+        const pid_t pid = StartUntilWritten(
+            std::string("--outfile pictures/out.exr --stats=json --checkpoint c.chk --checkpoint-interval 0.01 ") +
+                (ext ? "--lightsampler octree --save-lights lights " : "") + "scenes/scene.pbrt",
+            "c.chk");
+        std::filesystem::remove_all(Path("pictures"));
+        if (rescuedIn.empty()) std::filesystem::remove_all(Path("scenes"));
+        const Outcome o = Wait(pid);
+        EXPECT_EQ(o.status, 1);
+        const std::string name = fmt::format("{}out-rescued-{}.exr", rescuedIn, pid);
+        ExpectWords(o.err, {"Error: pictures/out.exr: the folder pictures does not exist",
+                            "pictures/out.exr: this image is in " + name});
+        EXPECT_FALSE(Has(o.err, "nothing was rendered")) << o.err;
+        EXPECT_EQ(IntOf(ReadImage(Path(name)), "samplesPerPixel"), 1024);
+        EXPECT_EQ(nlohmann::json::parse(o.out)["picture"], name);
+        EXPECT_TRUE(!ext || Exists("lights"));
     }
 }
 

@@ -5,6 +5,8 @@
 
 #include "pbrt/cmd/flags.h"
 #include "pbrt/cmd/imgtool/commands.h"
+#include "pbrt/core/log.h"
+#include "pbrt/core/memory.h"
 #include "pbrt/core/version.h"
 
 namespace {
@@ -114,7 +116,7 @@ int Run(int argc, char **argv) {
 
 int main(int argc, char **argv) {
     try {
-        return Run(argc, argv);
+        return FinishOutput(Run(argc, argv));
     } catch (const UserError &e) {
         for (const Diagnostic &d : e.Diagnostics()) fmt::print(stderr, "{}\n", Format(d));
     } catch (const std::exception &e) {

@@ -258,6 +258,17 @@ TEST_F(Flags, StatisticsAsJsonAreAllOfStandardOutput) {
     ExpectErrors({{"--stats=yaml scene.pbrt", {"--stats", "text", "json"}}});
 }
 
+TEST_F(Flags, AFailureOfStandardOutputIsAnError) {
+    launcher_ = R"(sh -c 'exec "$0" "$@" > /dev/full')";
+    for (const char *arguments : {"--version", "--help", "--list all", "--spp 1 --stats --outfile out.exr scene.pbrt",
+                                  "--spp 1 --stats=json --outfile out.exr scene.pbrt"}) {
+        const Outcome o = Run(arguments);
+        EXPECT_EQ(o.status, 1) << arguments;
+        ExpectWords(o.err, {"Error: the standard output cannot be written"});
+    }
+    EXPECT_TRUE(Exists("out.exr"));
+}
+
 TEST_F(Flags, MaxDepthAndIntegratorBeatTheScene) {
     const ImageFile direct = Render("--maxdepth 1 scene.pbrt");
     EXPECT_EQ(IntOf(direct, "pbrt.maxDepth"), 1);

@@ -4,7 +4,6 @@
 #include <CLI/CLI.hpp>
 
 #include <algorithm>
-#include <cmath>
 #include <map>
 
 #include "pbrt/cmd/flags.h"
@@ -126,7 +125,7 @@ void AddAllFlags(CLI::App &app, CommandLine &o, RawFlags &raw) {
                  "auxiliary channels, mostly of the first visible surface, added to the picture of any film, separated "
                  "by commas: {}; denoisers read these names",
                  fmt::join(AovNames(), ", ")),
-             CLI::IsMember(AovNames()))
+             OneOf(AovNames()))
              .Type("NAME,..."),
          {"--write-partial-images", o.writePartialImages, "write the image after every wave of samples"},
          {"--mse-reference-image", build.mseReferenceImage, "compare with this image after every wave"},
@@ -209,7 +208,7 @@ void AddAllFlags(CLI::App &app, CommandLine &o, RawFlags &raw) {
               {"--ignore-unsupported", build.ignoreUnsupported,
                "leave out unsupported features; the image is called ...-incomplete"},
               {"--render-coord-sys", build.renderCoordSys, "camera, cameraworld (default) or world",
-               CLI::IsMember({"camera", "cameraworld", "world"})}});
+               OneOf({"camera", "cameraworld", "world"})}});
 
     const char *messages = "Messages";
     AddFlags(app, messages,
@@ -253,7 +252,6 @@ std::optional<int> ParseCommandLine(int argc, const char *const *argv, CommandLi
         if (o.build.mseReferenceImage.empty() != o.build.mseReferenceOut.empty())
             throw CLI::ValidationError("--mse-reference-image and --mse-reference-out go together");
         if (!raw.samples.empty()) o.samples = ParseSamples(raw.samples);
-        if (!std::isfinite(o.noise)) throw CLI::ValidationError("--noise", "is not finite; valid: numbers above 0");
         CheckKeeping(o);
         if (!o.displayServer.empty() && SplitServer(o.displayServer).first.empty())
             throw CLI::ValidationError(

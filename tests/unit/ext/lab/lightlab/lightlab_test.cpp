@@ -225,9 +225,11 @@ TEST_F(Lightlab, MistakesAreReportedTogetherAndNothingIsRendered) {
          {"scene.pbrt --samplers 'bvh+mush;bvh+gate=neepp;bvh+guide:length=2'",
           {"+mush", "+mesh", "+gate", "length", "3 errors"}},
          {"scene.pbrt --time 1 --spp 2", {"--time", "--spp"}},
-         {"scene.pbrt --spp 0", {"--spp: 0 is not more than 0", "--help"}},
+         {"scene.pbrt --spp 0", {"--spp: \"0\" is not an integer from 1 to 2147483647", "--help"}},
+         {"scene.pbrt --time 1e400", {"--time: \"1e400\" is not a finite number above 0"}},
+         {"scene.pbrt --out ''", {"--out: the value is empty"}},
          {"scene.pbrt --seeds two", {"--seeds", "two"}},
-         {"scene.pbrt --nthreads -1", {"--nthreads: -1 is less than 0"}},
+         {"scene.pbrt --nthreads -1", {"--nthreads: \"-1\" is not an integer from 0 to 2147483647"}},
          {"scene.pbrt --crops 1,2,3", {"--crops", "1,2,3"}},
          {"scene.pbrt --crops 0,0,99,9 --samplers bvh", {"--crops", "32 x 24"}},
          {"scene.pbrt --reference none.exr --samplers bvh", {"none.exr"}},
@@ -235,6 +237,9 @@ TEST_F(Lightlab, MistakesAreReportedTogetherAndNothingIsRendered) {
          {"nosuch.pbrt --samplers bvh", {"nosuch.pbrt"}},
          {"", {"scene"}}});
     EXPECT_TRUE(Has(Run("inspect scene.pbrt --sampler bvhh").err, "Error: --sampler:1:0"));
+    ExpectErrors({{"inspect scene.pbrt --divisor 1e3", {"--divisor: \"1e3\" is not an integer from 1 to 2147483647"}},
+                  {"noise scene.pbrt --seeds 1", {"--seeds: \"1\" is not an integer from 2 to 1000"}}},
+                 "");
     EXPECT_FALSE(std::filesystem::exists(Path("scene-lab")));
 }
 

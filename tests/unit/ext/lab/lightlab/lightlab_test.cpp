@@ -88,7 +88,7 @@ TEST_F(Lightlab, RefusesIntegratorsWithoutLightSampler) {
         scene.replace(scene.find(from), from.size(), '"' + integrator + '"');
         Write(integrator + ".pbrt", scene);
         const std::string message =
-            integrator + ".pbrt: the integrator \"" + integrator + "\" uses no light sampler; \"path\"";
+            integrator + ".pbrt:5:0: the integrator \"" + integrator + "\" uses no light sampler; \"path\"";
         for (const std::string &arguments :
              {integrator + ".pbrt " + kSmall, "noise " + integrator + ".pbrt --samplers uniform --spp 2 --seeds 2",
               "inspect " + integrator + ".pbrt --sampler power"}) {

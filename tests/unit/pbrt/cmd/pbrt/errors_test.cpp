@@ -151,6 +151,22 @@ TEST_F(Errors, WhatCannotBeWrittenIsFoundBeforeTheSceneIsBuilt) {
     }
 }
 
+TEST_F(Errors, WhatOnlyTheWholeSceneShowsHasAPlace) {
+    const std::string lens = "Camera 'realistic' 'string lensfile' '" + kSuite + "scenes/assets/lens_symmetric.dat'\n",
+                      world = "WorldBegin\nShape 'sphere'\n";
+    Write("lens.pbrt", Quoted(lens + "Film 'rgb'\nIntegrator 'bdpt'\n" + world));
+    Write("path.pbrt", Quoted(lens + "Film 'rgb'\nIntegrator 'path'\n" + world));
+    Write("one.pbrt", Quoted("Film 'rgb'\nOption 'msereferenceimage' 'a.exr'\n" + world));
+    Write("none.pbrt",
+          Quoted("Film 'rgb'\nOption 'msereferenceout' 'mse.txt'\nOption 'msereferenceimage' 'none.exr'\n" + world));
+    Write("nowhere.pbrt", Quoted("Film 'rgb' 'string filename' 'nowhere/a.exr'\n" + world));
+    ExpectErrors({{"lens.pbrt", {"Error: lens.pbrt:3:0: ", "follows light to the camera", "^"}},
+                  {"--integrator bdpt path.pbrt", {"Error: --integrator:1:0: ", "follows light to the camera", "^"}},
+                  {"one.pbrt", {"Error: one.pbrt:2:7: ", "needs both", "^"}},
+                  {"none.pbrt", {"Error: none.pbrt:3:7: ", "none.exr: the reference image", "^"}},
+                  {"nowhere.pbrt", {"Error: nowhere.pbrt:1:", "folder nowhere", "^"}}});
+}
+
 TEST_F(Errors, EverythingUnsupportedIsListedOnceBeforeRendering) {
     Write("scene.pbrt", Quoted("Film 'rgb'\nIntegrator 'function'\nWorldBegin\n"
                                "Texture 'skin' 'spectrum' 'ptex' 'string filename' 'skin.ptx'\n"

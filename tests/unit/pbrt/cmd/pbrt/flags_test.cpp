@@ -33,7 +33,7 @@ TEST_F(Flags, UnknownFlagsAndBadValuesAreErrors) {
                   {"--pixelbounds 0,1,0,x scene.pbrt", {"--pixelbounds takes 4 numbers, x0,x1,y0,y1: \"x\""}},
                   {"--render-coord-sys moon scene.pbrt", {"--render-coord-sys", "cameraworld"}},
                   {"--mse-reference-out mse.txt scene.pbrt", {"--mse-reference-image"}},
-                  {"--integrator pahtt scene.pbrt", {"\"pahtt\"", "simplepath"}},
+                  {"--integrator pahtt scene.pbrt", {"Error: --integrator:1:0: ", "\"pahtt\"", "simplepath", "^"}},
                   {"--cropwindow 0.5,0.5,0,1 scene.pbrt", {"command line: No pixel is left"}}});
 }
 

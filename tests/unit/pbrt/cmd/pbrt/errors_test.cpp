@@ -204,6 +204,11 @@ TEST_F(Errors, LightSamplersAreWrittenWithAColon) {
     std::vector<ErrorCase> cases = {
         {"--lightsampler 'octree:floor=0.1;leaves=3' scene.pbrt", {"\"0.1;leaves=3\"", "commas separate parameters"}},
         {"--lightsampler 'octre,floor=0.1' scene.pbrt", {"\"octre\" is unknown; did you mean \"octree\"?"}},
+        {"--lightsampler octree:floor=.1,floor=.2 scene.pbrt",
+         {"--lightsampler:1:16", "\"octree.floor\" is given twice", "^"}},
+        {"--lightsampler octree+mesh+mesh scene.pbrt", {"--lightsampler:1:11", "\"+mesh\" is given twice", "^"}},
+        {"--lightsampler octree+guide+guide:share=0.5 scene.pbrt",
+         {"--lightsampler:1:12", "\"+guide\" is given twice", "^"}},
         {"name.pbrt", {"Error: name.pbrt:5:", "is the form of flags", "\"float octree.floor\"", "^"}}};
     for (const char *separator : {",", ";", "=", " ", "/"})
         cases.push_back({std::string("--lightsampler 'octree") + separator + "floor=0.1' scene.pbrt",

@@ -40,12 +40,8 @@ void OpenFolder(const ExperimentSettings &settings, const Json &identity, const 
                 out, fmt::join(differences, "; "));
         LogInfo("{} holds records of this experiment; resuming from them.", out);
     }
-    std::error_code error;
-    for (const SamplerChoice &s : settings.samplers) {
-        fs::create_directories(fs::path(records.Folder()) / s.folder, error);
-        if (!error) fs::create_directories(fs::path(out) / s.folder, error);
-        if (error) throw UserError("{}: cannot be created: {}.", out, error.message());
-    }
+    for (const SamplerChoice &s : settings.samplers)
+        for (const std::string &folder : {records.Folder(), out}) MakeFolder(folder + "/" + s.folder);
     records.SaveSettings(identity);
 }
 

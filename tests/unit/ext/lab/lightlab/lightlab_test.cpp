@@ -243,6 +243,25 @@ TEST_F(Lightlab, MistakesAreReportedTogetherAndNothingIsRendered) {
     EXPECT_FALSE(std::filesystem::exists(Path("scene-lab")));
 }
 
+/// The work would take hours.
+TEST_F(Lightlab, AFolderThatCannotBeWrittenIsFoundBeforeTheWork) {
+    ExpectErrors({{"noise scene.pbrt --samplers uniform --spp 100000000 --out scene.pbrt/n", {"scene.pbrt/n: Not a"}},
+                  {"inspect scene.pbrt --sampler uniform --samples 100000000 --out scene.pbrt", {"scene.pbrt: Not a"}},
+                  {"inspect scene.pbrt --sampler uniform --samples 100000000 --out /proc/self", {"/proc/self"}}},
+                 "");
+}
+
+TEST_F(Lightlab, AFailureOfStandardOutputIsAnError) {
+    launcher_ = R"(sh -c 'exec "$0" "$@" > /dev/full')";
+    for (const char *arguments : {"--version", "noise --help",
+                                  "scene.pbrt --samplers uniform --spp 1 --seeds 1 "
+                                  "--reference-spp 8 --selection-work 0 --no-report"}) {
+        const Outcome o = Run(arguments);
+        EXPECT_EQ(o.status, 1) << arguments;
+        ExpectWords(o.err, {"Error: the standard output cannot be written"});
+    }
+}
+
 TEST_F(Lightlab, NumbersOutOfRangeAreShownWhereTheyWereWritten) {
     EXPECT_TRUE(Has(Run("inspect scene.pbrt --sampler octree:leaves=-4").err, "--sampler:1:7"));
     ExpectErrors({{"scene.pbrt --samplers uniform,octree:leaves=0",

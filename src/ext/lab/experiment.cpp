@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <filesystem>
+#include <tuple>
 
 #include "ext/lab/pictures.h"
 #include "ext/lab/results.h"
@@ -40,12 +41,8 @@ void OpenFolder(const ExperimentSettings &settings, const Json &identity, const 
                 out, fmt::join(differences, "; "));
         LogInfo("{} holds records of this experiment; resuming from them.", out);
     }
-    std::error_code error;
-    for (const SamplerChoice &s : settings.samplers) {
-        fs::create_directories(fs::path(records.Folder()) / s.folder, error);
-        if (!error) fs::create_directories(fs::path(out) / s.folder, error);
-        if (error) throw UserError("{}: cannot be created: {}.", out, error.message());
-    }
+    for (const SamplerChoice &s : settings.samplers)
+        for (const std::string &folder : {records.Folder(), out}) MakeFolder(folder + "/" + s.folder);
     records.SaveSettings(identity);
 }
 
@@ -298,6 +295,11 @@ std::optional<ExperimentOutcome> RunExperiment(const ExperimentSettings &setting
     errors.ThrowIfErrors();
     if (!settings.referenceFile.empty())
         ReadReference(settings.referenceFile, scene);  // throws if it does not match the film
+    for (const auto &[flag, input, output] : {std::tuple("--reference", settings.referenceFile, "/reference-0.exr"),
+                                              std::tuple("--samples-from", settings.samplesFrom, "/results.json")})
+        if (!input.empty() && IsSameFile(input, settings.outFolder + output))
+            throw UserError("{} {}: the experiment in {} would overwrite this file; choose another --out.", flag, input,
+                            settings.outFolder);
     const Json identity = IdentityOf(settings, scene.hash, ThreadCount());
     const RecordFolder records(settings.outFolder + "/records", ExperimentKey(identity));
     OpenFolder(settings, identity, records);

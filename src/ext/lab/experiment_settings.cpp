@@ -177,10 +177,10 @@ BuiltScene BuildLitScene(SceneDescription &description, const std::string &file,
     BuiltScene built = BuildScene(description, options, registry, sink, progress);
     progress.EndPhase();
     if (built.lightSamplerName.empty())
-        throw UserError(
-            "{}: the integrator \"{}\" uses no light sampler; \"path\", \"volpath\", \"bdpt\", "
-            "\"mlt\" and \"sppm\" do.",
-            file, built.integratorName);
+        throw UserError(description.integrator.loc,
+                        "the integrator \"{}\" uses no light sampler; \"path\", \"volpath\", \"bdpt\", \"mlt\" and "
+                        "\"sppm\" do.",
+                        built.integratorName);
     if (built.scene->Lights().Size() == 0) throw UserError("{}: has no lights.", file);
     for (const Diagnostic &d : sink.All())
         if (d.severity == Severity::Warning) LogInfo(Format(d));

@@ -172,6 +172,8 @@ int RunInspect(const InspectOptions &options, const PluginRegistry &registry, Pr
     sink.ThrowIfErrors();
     progress.EndPhase();
     BuiltScene built = BuildLitScene(description, options.sceneFiles.front(), options.build, registry, sink, progress);
+    const std::string folder = options.outFolder.empty() ? "inspect-" + built.lightSamplerName : options.outFolder;
+    MakeFolder(folder);  // an error comes before the work
 
     built.Prepare(progress);
     // A guide learns during rendering; the image is discarded.
@@ -192,7 +194,6 @@ int RunInspect(const InspectOptions &options, const PluginRegistry &registry, Pr
     about["version"] = VersionText();
     about["seed"] = built.seed;
     about["samplesPerLight"] = options.settings.samples;
-    const std::string folder = options.outFolder.empty() ? "inspect-" + built.lightSamplerName : options.outFolder;
     WriteInspection(inspection, folder, about);
 
     std::printf(

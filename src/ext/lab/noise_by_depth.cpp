@@ -124,6 +124,7 @@ int RunNoise(const ExperimentSettings &settings, const PluginRegistry &registry,
     const std::vector<SamplerChoice> &choices = settings.samplers;
     const LabScene scene = LoadLabScene(settings, registry, progress);
     const std::vector<int> depths = NoiseDepths(scene.built.maxDepth);
+    MakeFolder(settings.outFolder);  // an error comes before the renders
 
     progress.BeginPhase("rendering", choices.size() * depths.size() * settings.seeds);
     // The deepest come first: their mean is the reference of all others, which need not be stored.
@@ -167,7 +168,6 @@ int RunNoise(const ExperimentSettings &settings, const PluginRegistry &registry,
         std::printf("\n%-36s%s", "  trimmed", trimmed.c_str());
         json["samplers"].push_back(entry);
     }
-    MakeFolder(settings.outFolder);
     ShortenFloats(&json);
     WriteFile(settings.outFolder + "/noise.json", json.dump(2) + "\n");
     WriteFile(settings.outFolder + "/index.html", Page(json));

@@ -9,6 +9,7 @@
 #include <fstream>
 
 #include "pbrt/core/error.h"
+#include "pbrt/core/files.h"
 #include "pbrt/core/parallel.h"
 
 namespace ext::lab {
@@ -50,6 +51,7 @@ void MakeFolder(const std::string &folder) {
     std::error_code failed;
     std::filesystem::create_directories(folder, failed);
     if (failed) throw UserError("{}: {}.", folder, failed.message());
+    CheckWritable(folder + "/index.html");
 }
 
 std::string EscapeHtml(const std::string &text) {

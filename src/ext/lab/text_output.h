@@ -24,7 +24,7 @@ inline constexpr const char *kPageHead = R"(<!doctype html>
 <link rel="icon" href="data:,">
 )";
 
-/// Creates the folder if needed. Throws UserError.
+/// Creates the folder if needed, and checks that files can be written there. Throws UserError.
 void MakeFolder(const std::string &folder);
 
 std::string EscapeHtml(const std::string &text);

@@ -125,7 +125,9 @@ void LearnedVisibilityLightSampler::Inspect(const LightQuery &query, std::vector
 
 std::string LearnedVisibilityLightSampler::DescribeStructure() const {
     const std::string text = model_.Describe() + portals_.Describe();
-    return text.empty() ? fmt::format("octree: none, there is nothing to choose ({} lights)\n", groups_.Size()) : text;
+    return text.empty()
+               ? fmt::format("octree: none, there is nothing to choose ({})\n", CountText(groups_.Size(), "light"))
+               : text;
 }
 
 }  // namespace ext

@@ -127,15 +127,16 @@ void PaperOctreeLightSampler::Inspect(const LightQuery &query, std::vector<Inspe
 }
 
 std::string PaperOctreeLightSampler::DescribeStructure() const {
-    if (!learned_) return fmt::format("octree: none, there is nothing to choose ({} lights)\n", groups_.Size());
+    if (!learned_)
+        return fmt::format("octree: none, there is nothing to choose ({})\n", CountText(groups_.Size(), "light"));
     std::vector<LeafSize> leaves;
     tree_.Cells().ForEachLeaf([&](uint32_t node, uint32_t, int depth) {
         leaves.push_back({depth, recordsPerNode_[node]});
     });
-    return fmt::format(
-               "octree: {} leaves, {} distributions over {} lights, {} records\nbytes: {} (and {} for this view)\n",
-               leaves.size(), tree_.RowCount(), groups_.Size(), vertices_, tree_.Bytes(),
-               recordsPerNode_.capacity() * sizeof(uint32_t)) +
+    return fmt::format("octree: {}, {} over {}, {}\nbytes: {} (and {} for this view)\n",
+                       CountText(leaves.size(), "leaf", "leaves"), CountText(tree_.RowCount(), "distribution"),
+                       CountText(groups_.Size(), "light"), CountText(vertices_, "record"), tree_.Bytes(),
+                       recordsPerNode_.capacity() * sizeof(uint32_t)) +
            DescribeLeaves(leaves);
 }
 

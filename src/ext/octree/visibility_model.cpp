@@ -210,8 +210,9 @@ void VisibilityModel::Inspect(const LightQuery &query, std::vector<InspectedValu
 std::string VisibilityModel::Describe() const {
     const auto describe = [&](const char *where, const Estimate &e) {
         if (e.tree.RowCount() == 0) return std::string();
-        return fmt::format("octree{}: {} leaves ({} before pruning), {} different rows over {} lights, bytes: {}\n",
-                           where, e.tree.LeafCount(), e.leavesBefore, e.tree.RowCount(), groups_.Size(),
+        return fmt::format("octree{}: {} ({} before pruning), {} over {}, bytes: {}\n", where,
+                           CountText(e.tree.LeafCount(), "leaf", "leaves"), e.leavesBefore,
+                           CountText(e.tree.RowCount(), "different row"), CountText(groups_.Size(), "light"),
                            e.tree.Bytes()) +
                DescribeLeaves(e.leaves);
     };

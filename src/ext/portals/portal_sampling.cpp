@@ -358,7 +358,7 @@ std::string PortalSampling::Describe() const {
         text = fmt::format("portals on trial: error {:.3g}, cost {:.3g}, gain {:.3g}\n", trial_.error, trial_.cost,
                            trial_.Gain());
     if (!IsActive()) return text;
-    text += fmt::format("portals: {}, with visibility in {} leaves\n", count_, tree_.LeafCount());
+    text += fmt::format("portals: {}, with visibility in {}\n", count_, CountText(tree_.LeafCount(), "leaf", "leaves"));
     for (size_t i = 0; i < count_; ++i) {
         const Portal &portal = (*environments_[0].portals)[i];
         const Vector3 sides = portal.high - portal.low;

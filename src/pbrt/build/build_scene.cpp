@@ -83,7 +83,7 @@ void ChooseRenderOptions(const SceneOptions &scene, const BuildOptions &options,
     built.mseReferenceImage = name(options.mseReferenceImage, scene.mseReferenceImage);
     built.mseReferenceOut = name(options.mseReferenceOut, scene.mseReferenceOut);
     if (built.mseReferenceImage.empty() != built.mseReferenceOut.empty())
-        sink.Error({}, "an MSE reference needs both the image and the output file.");
+        sink.Error(scene.mseReferenceLoc, "an MSE reference needs both the image and the output file.");
 }
 
 /// Output file name. Without a valid film only the flag's name is available.
@@ -93,12 +93,56 @@ std::string OutputName(const BuiltScene &built, const BuildOptions &options) {
     return WithSuffix(name, options.ignoreUnsupported ? "-incomplete" : "-without-media");
 }
 
-/// Checks that output files are writable and that the reference image exists.
-void CheckOutput(const BuiltScene &built, DiagnosticSink &sink) {
-    if (!built.filename.empty()) Collect(sink, [&] { CheckWritable(built.filename); });
-    if (!built.mseReferenceImage.empty() && !FileExists(built.mseReferenceImage))
-        sink.Error({}, "{}: the reference image does not exist.", built.mseReferenceImage);
-    if (!built.mseReferenceOut.empty()) Collect(sink, [&] { CheckWritable(built.mseReferenceOut); });
+/// Adds errors for outputs that would replace another output or an input. With BuildOptions::checksOutput, also for the
+/// image, for outputs that are not writable, and for a missing reference image.
+void CheckOutput(const BuiltScene &built, const SceneDescription &d, const BuildOptions &options,
+                 DiagnosticSink &sink) {
+    const auto named = [](const char *flag, const std::string &given, const char *directive, const std::string &path,
+                          const FileLoc &loc) {
+        return given.empty() ? NamedFile{directive, path, loc} : NamedFile{flag, path};
+    };
+    const FileLoc &mseLoc = d.options.mseReferenceLoc;
+    std::vector<NamedFile> outputs, inputs = options.inputs;
+    if (options.checksOutput && !built.filename.empty())
+        outputs.push_back(
+            named("--outfile", options.film.filename, "Film", built.filename, d.film.params.LocOf("filename")));
+    if (!built.mseReferenceOut.empty())
+        outputs.push_back(named("--mse-reference-out", options.mseReferenceOut, "Option \"msereferenceout\"",
+                                built.mseReferenceOut, mseLoc));
+    for (const NamedFile &o : outputs) try {
+            if (options.checksOutput) CheckWritable(o.path);
+        } catch (const UserError &e) {
+            sink.Error(o.loc, e.Diagnostics()[0].message);
+        }
+    outputs.insert(outputs.end(), options.outputs.begin(), options.outputs.end());
+
+    if (!built.mseReferenceImage.empty()) {
+        inputs.push_back(named("--mse-reference-image", options.mseReferenceImage, "Option \"msereferenceimage\"",
+                               built.mseReferenceImage, mseLoc));
+        if (options.checksOutput && !FileExists(built.mseReferenceImage))
+            sink.Error(inputs.back().loc, "{}: the reference image does not exist.", built.mseReferenceImage);
+    }
+    for (const std::string &source : d.sources) inputs.push_back({"the scene", source});
+    const auto addAssets = [&](const Entity &entity) {
+        for (const Param &p : entity.params.Own())
+            for (const std::string &name : p.strings)
+                if (p.type != ParamType::Texture)
+                    inputs.push_back({entity.params.What(), d.files.Resolve(name), p.loc});
+    };
+    const auto addAllAssets = [&](const auto &...lists) { (std::ranges::for_each(lists, addAssets), ...); };
+    if (std::ranges::any_of(outputs, FileExists, &NamedFile::path)) {
+        addAssets(d.camera);
+        ForEachShape(d, addAssets);
+        addAllAssets(d.materials, d.textures, d.media, d.lights, d.areaLights);
+    }
+    for (const NamedFile &output : outputs) {
+        for (const NamedFile &other : inputs)
+            if (IsSameFile(output.path, other.path))
+                sink.Error(output.loc ? output.loc : other.loc,
+                           "{}: is named by {} and by {}, so one would overwrite the other.", output.path, output.owner,
+                           other.owner);
+        inputs.push_back(output);
+    }
 }
 
 std::unique_ptr<TextureLibrary> MakeTextures(SceneDescription &d, const BuildOptions &options,
@@ -274,9 +318,12 @@ BuiltScene BuildScene(SceneDescription &d, const BuildOptions &given, const Plug
     if (integrator.adaptive && built.film) built.half = built.film->MakeRgbFilm();
     if (built.camera) built.cameraFromWorld = placement.worldFromCamera.At(built.camera->ShutterOpen()).Inverse();
     built.filename = OutputName(built, options);
-    if (options.checksOutput) CheckOutput(built, sink);
-    // Shapes are checked even after errors, to report all; those of the command line come before large shapes are read.
-    if (std::any_of(sink.All().begin(), sink.All().end(), IsOfCommandLine)) ThrowIfErrors(sink, checked);
+    const size_t errorsBefore = sink.ErrorCount();
+    CheckOutput(built, d, options, sink);
+    // Shapes are checked even after errors, to report all; those of files and of the command line come before large
+    // shapes are read.
+    if (sink.ErrorCount() > errorsBefore || std::any_of(sink.All().begin(), sink.All().end(), IsOfCommandLine))
+        ThrowIfErrors(sink, checked);
 
     const double filmBytes =
         (built.film ? double(built.film->Bytes()) : 0) + (built.half ? double(built.half->Bytes()) : 0);

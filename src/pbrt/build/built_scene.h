@@ -16,6 +16,13 @@
 
 namespace pbrt {
 
+/// A file of a flag or of the scene.
+struct NamedFile {
+    std::string owner;  ///< such as "--outfile", for messages
+    std::string path;
+    FileLoc loc{};
+};
+
 /// What the command line changes of a scene; the defaults change nothing. Invalid values are reported when building, by
 /// the flag or directive that set them.
 struct BuildOptions {
@@ -42,6 +49,7 @@ struct BuildOptions {
     int textureCacheMb = 0;     ///< --texture-cache-mb; 0: all images in memory
     bool disablePixelJitter = false, disableWavelengthJitter = false;
     std::string mseReferenceImage, mseReferenceOut;  ///< empty: the scene's Option, if any
+    std::vector<NamedFile> inputs, outputs;          ///< further files that no output may replace, or that are written
 };
 
 /// Camera placement and the resulting rendering space; identities if the placement is invalid.

@@ -134,6 +134,12 @@ bool IsInEndlessMedium(const PathContext &context) {
     return bool(medium);
 }
 
+/// Where the integrator is chosen: the flag or the directive.
+FileLoc LocOf(const Entity &entity, const BuildOptions &options) {
+    if (options.integrator.empty()) return entity.loc;
+    return {std::make_shared<SourceFile>(SourceFile{"--integrator", options.integrator}), 1, 0};
+}
+
 bool HasLightsBeyondScene(const LightTable &lights) {
     for (size_t i = 0; i < lights.Size(); ++i) {
         const LightKind kind = lights[LightId(i)].Kind();
@@ -196,7 +202,7 @@ IntegratorSettings ReadIntegrator(const Entity &entity, const BuildOptions &opti
     const std::string &type = IntegratorType(entity, options);
     IntegratorSettings settings;
     if (!Integrators().Has(type)) {
-        sink.Error(options.integrator.empty() ? entity.loc : FileLoc{}, "Integrator \"{}\" is {}; {}{}.", type,
+        sink.Error(LocOf(entity, options), "Integrator \"{}\" is {}; {}{}.", type,
                    type == kUnsupportedIntegrator ? "not supported yet" : "unknown", OldNameHint("Integrator", type),
                    ListChoices(type, Integrators().Names()));
     } else {
@@ -242,7 +248,7 @@ BuiltIntegrator MakeIntegrator(const BuiltScene &scene, const IntegratorSettings
                               scene.integratorRequest.needsFootprints};
     const IntegratorTraits traits = TraitsOf(settings.type);
     if (traits.connectsToCamera && !context.camera.CanConnect())
-        sink.Error({},
+        sink.Error(LocOf(scene.integratorRequest.entity, scene.integratorRequest.options),
                    "Integrator \"{}\" follows light to the camera, which works with the cameras "
                    "\"perspective\", \"orthographic\" and \"spherical\" only.",
                    settings.type);

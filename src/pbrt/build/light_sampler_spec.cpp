@@ -47,6 +47,8 @@ Pieces Split(const FlagText &flag, DiagnosticSink &sink) {
         const size_t begin = end + 1;
         end = FindSuffix(text, begin);
         const std::string_view word = text.substr(begin, end - begin);
+        if (word == kMesh ? pieces.mesh : word.starts_with("guide") && pieces.guide)
+            sink.Error(flag.At(word.data() - 1), "\"+{}\" is given twice.", word.substr(0, word.find(':')));
         if (word == kMesh) pieces.mesh = true;
         else if (word == "guide") pieces.guide = word.substr(word.size());
         else if (word.starts_with(kGuide)) pieces.guide = word.substr(kGuide.size());
@@ -102,7 +104,11 @@ void ReadKeys(const FlagText &flag, const std::string &owner, const std::vector<
               ParamSet *params, DiagnosticSink &sink) {
     for (size_t begin = 0; begin <= piece.size();) {
         const size_t end = std::min(piece.find(',', begin), piece.size());
-        Collect(sink, [&] { params->Add(ReadOne(flag, owner, docs, piece.substr(begin, end - begin))); });
+        Collect(sink, [&] {
+            Param p = ReadOne(flag, owner, docs, piece.substr(begin, end - begin));
+            if (params->Has(p.name)) throw UserError(p.loc, "\"{}\" is given twice.", p.name);
+            params->Add(std::move(p));
+        });
         begin = end + 1;
     }
 }

@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <functional>
 #include <iostream>
+#include <limits>
 #include <map>
 #include <optional>
 #include <string>
@@ -15,33 +16,87 @@
 
 namespace pbrt {
 
-/// Validator for option->check() whose message, unlike CLI11's, does not print the largest double as a bound.
-inline CLI::Validator NumberCheck(bool zeroToo, const std::string &name) {
+/// Finite numbers that a flag takes. Integers must also fit their type.
+struct ValidRange {
+    static constexpr double kMax = std::numeric_limits<double>::max();
+    double low = -kMax, high = kMax;
+    bool openLow = false;
+};
+inline constexpr ValidRange PositiveNumber{.low = 0, .openLow = true}, NonNegativeNumber{.low = 0};
+
+/// Validator of numbers of type T. CLI11's accept NaN, or print the largest double as a bound.
+template <class T>
+CLI::Validator NumberCheck(ValidRange range) {
+    const std::string name = range.high < ValidRange::kMax      ? fmt::format("[{:g}, {:g}]", range.low, range.high)
+                             : !(range.low > -ValidRange::kMax) ? ""
+                             : range.openLow                    ? "POSITIVE"
+                                                                : "NONNEGATIVE";
+    constexpr bool isInteger = std::is_integral_v<T>;
+    if constexpr (isInteger) {
+        range.low = std::max(range.low + range.openLow, double(std::numeric_limits<T>::lowest()));
+        range.high = std::min(range.high, double(std::numeric_limits<T>::max()));
+        range.openLow = false;
+    }
+    const std::string valid =
+        range.high < ValidRange::kMax
+            ? fmt::format("{} from {:.10g} to {:.10g}", isInteger ? "an integer" : "a number", range.low, range.high)
+        : range.low > -ValidRange::kMax
+            ? fmt::format("a finite number {} {}", range.openLow ? "above" : "from", range.low)
+            : "a finite number";
     return CLI::Validator(
-        [zeroToo](std::string &text) {
-            double v = 0;
-            if (!CLI::detail::lexical_cast(text, v)) return "\"" + text + "\" is not a number";
-            if (zeroToo ? v >= 0 : v > 0) return std::string();
-            return text + (zeroToo ? " is less than 0" : " is not more than 0");
+        [range, valid](std::string &text) {
+            T value{};
+            const bool isNumber = CLI::detail::lexical_cast(text, value);
+            const auto v = double(value);
+            const bool isValid = isNumber && v <= range.high && (range.openLow ? v > range.low : v >= range.low);
+            return isValid ? "" : fmt::format("\"{}\" is not {}", text, valid);
         },
         name);
 }
-inline const CLI::Validator PositiveNumber = NumberCheck(false, "POSITIVE");
-inline const CLI::Validator NonNegativeNumber = NumberCheck(true, "NONNEGATIVE");
 
-/// Row of a flag table: names as CLI11 declares them, target, help text, validator. A bool takes no value; lists of
-/// flags are comma-separated.
+/// Validator of names. An error suggests the nearest.
+inline CLI::Validator OneOf(const std::vector<std::string> &names) {
+    return CLI::Validator(
+        [names](std::string &text) {
+            return std::ranges::count(names, text) > 0
+                       ? ""
+                       : fmt::format("\"{}\" is unknown; {}", text, ListChoices(text, names));
+        },
+        fmt::format("{{{}}}", fmt::join(names, ",")));
+}
+
+/// Type of one value of a flag's target: T, or what an optional or a list holds.
+template <class T>
+struct FlagValue {
+    using Type = T;
+};
+template <class T>
+struct FlagValue<std::optional<T>> : FlagValue<T> {};
+template <class T>
+struct FlagValue<std::vector<T>> : FlagValue<T> {};
+
+/// Row of a flag table: names as CLI11 declares them, target, help text, valid numbers or validator. A bool takes no
+/// value; lists of flags are comma-separated. Numbers must be finite, texts not empty.
 class Flag {
   public:
     template <class T>
-    Flag(std::string names, T &target, std::string help, std::optional<CLI::Validator> check = {})
+    Flag(std::string names, T &target, std::string help, ValidRange range = {})
+        : Flag(std::move(names), target, std::move(help), [&] {
+              if constexpr (std::is_same_v<T, bool>) return CLI::Validator("");
+              else if constexpr (std::is_arithmetic_v<typename FlagValue<T>::Type>)
+                  return NumberCheck<typename FlagValue<T>::Type>(range);
+              else
+                  return CLI::Validator([](std::string &text) { return text.empty() ? "the value is empty" : ""; }, "");
+          }()) {}
+    template <class T>
+    Flag(std::string names, T &target, std::string help, CLI::Validator check)
         : add_([=, &target](CLI::App &app) {
               CLI::Option *option = nullptr;
               if constexpr (std::is_same_v<T, bool>) option = app.add_flag(names, target, help);
               else option = app.add_option(names, target, help);
               if constexpr (CLI::detail::is_mutable_container<T>::value)
                   if (names[0] == '-') option->delimiter(',')->allow_extra_args(false);
-              return check ? option->check(*check) : option;
+              return option->check(check);
           }) {}
     Flag &&Type(const char *name) && {
         type_ = name;
@@ -127,6 +182,8 @@ inline void CheckFlags(const CLI::App &app, const std::vector<std::string> &argu
         if (!IsFlag(arguments[i])) continue;
         const std::string flag = arguments[i].substr(0, arguments[i].find('='));
         if (const CLI::Option *option = app.get_option_no_throw(flag)) {
+            if (arguments[i] == flag + "=")
+                throw CLI::ValidationError(fmt::format("{}: the value after = is missing", flag));
             if (option->get_expected_min() > 1) CheckNumberList(*option, arguments, i);
             if (option->get_expected_max() == 1 && option->get_type_size() == 1 && flag == arguments[i])
                 ++i;  // its value
@@ -142,6 +199,13 @@ inline void CheckFlags(const CLI::App &app, const std::vector<std::string> &argu
         throw CLI::ValidationError(fmt::format("unknown flag {}{}", flag,
                                                nearest.empty() ? "" : fmt::format("; did you mean --{}?", nearest)));
     }
+}
+
+/// The error in plain words.
+inline std::string MessageOf(const CLI::ParseError &e) {
+    const std::string text = e.what();
+    const size_t count = text.find(": At Most ");
+    return count == std::string::npos ? text : text.substr(0, count) + ": is given more than once";
 }
 
 /// Parses the arguments without the program name, then calls `check`, which may throw CLI::ParseError. After printing
@@ -160,7 +224,7 @@ std::optional<int> ParseFlags(CLI::App &app, std::vector<std::string> arguments,
         std::cout << VersionText() << "\n";
         return 0;
     } catch (const CLI::ParseError &e) {
-        std::cerr << "Error: " << e.what() << "\nRun with --help for all options.\n";
+        std::cerr << "Error: " << MessageOf(e) << "\nRun with --help for all options.\n";
         return 1;
     }
 }

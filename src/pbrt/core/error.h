@@ -67,8 +67,9 @@ std::string FormatAll(const UserError &e, bool color = false);
 /// User text quoted in a message: one line, cut to `maxBytes` and then followed by "...".
 std::string Abbreviate(std::string_view text, size_t maxBytes = 60);
 
-/// "1 sample", "2 samples".
-inline std::string CountText(int64_t count, std::string_view noun) {
+/// "1 sample", "2 samples". `plural`: of an irregular noun.
+inline std::string CountText(int64_t count, std::string_view noun, std::string_view plural = "") {
+    if (count != 1 && !plural.empty()) return fmt::format("{} {}", count, plural);
     return fmt::format("{} {}{}", count, noun, count == 1 ? "" : "s");
 }
 

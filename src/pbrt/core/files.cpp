@@ -29,6 +29,14 @@ bool FileExists(const std::string &path) {
     return std::filesystem::exists(path, none);
 }
 
+bool IsSameFile(const std::string &a, const std::string &b) {
+    namespace fs = std::filesystem;
+    std::error_code none;
+    if (FileExists(a) || FileExists(b)) return fs::is_regular_file(a, none) && fs::equivalent(a, b, none);
+    const auto target = [&](const std::string &name) { return fs::weakly_canonical(fs::absolute(name, none), none); };
+    return !target(a).empty() && target(a) == target(b);
+}
+
 std::string Lower(std::string text) {
     for (char &c : text)
         if (c >= 'A' && c <= 'Z') c = char(c - 'A' + 'a');

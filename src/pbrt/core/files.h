@@ -23,6 +23,8 @@ class FileResolver {
 
 /// True if a file, folder or device of that name exists; false for invalid names.
 bool FileExists(const std::string &path);
+/// True if both names lead to the same file, which need not exist. False for pipes and devices.
+bool IsSameFile(const std::string &a, const std::string &b);
 
 /// Replaces A-Z by a-z.
 std::string Lower(std::string text);

@@ -1,7 +1,9 @@
 #include "pbrt/core/log.h"
 
 #include <atomic>
+#include <cerrno>
 #include <cstdio>
+#include <cstring>
 #include <mutex>
 #include <set>
 
@@ -17,6 +19,14 @@ void Print(LogLevel level, const char *prefix, const std::string &message) {
 
 void SetLogLevel(LogLevel level) { currentLevel = level; }
 LogLevel CurrentLogLevel() { return currentLevel; }
+
+int FinishOutput(int status) {
+    errno = 0;
+    if (std::fflush(stdout) == 0 && std::ferror(stdout) == 0) return status;
+    std::fprintf(stderr, "Error: the standard output cannot be written%s%s.\n", errno ? ": " : "",
+                 errno ? std::strerror(errno) : "");
+    return status ? status : 1;
+}
 
 void LogWarning(const std::string &message) {
     // Leaked: detached threads (LiveViewer) may warn during process exit.

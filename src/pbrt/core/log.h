@@ -12,6 +12,10 @@ enum class LogLevel { Quiet, Error, Warning, Info };
 void SetLogLevel(LogLevel level);
 LogLevel CurrentLogLevel();
 
+/// Flushes standard output at the end of a program with exit status `status`. If anything written to it was lost,
+/// prints an error and returns 1 instead of 0.
+int FinishOutput(int status);
+
 /// Equal messages are printed once.
 void LogWarning(const std::string &message);
 void LogInfo(const std::string &message);

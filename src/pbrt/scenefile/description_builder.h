@@ -73,6 +73,7 @@ class DescriptionBuilder {
 
     /// Counts a file read at `loc`. Throws UserError above a limit that indicates recursive inclusion.
     void CountFile(const FileLoc &loc);
+    void AddSource(const std::string &path) { scene_.sources.push_back(path); }
 
     void BeginAttributes(const FileLoc &loc) { OpenBlockAt(loc, BlockKind::Attributes); }
     void EndAttributes(const FileLoc &loc) { CloseBlock(BlockKind::Attributes, loc); }

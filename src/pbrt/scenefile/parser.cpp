@@ -274,10 +274,10 @@ class DirectiveReader {
             if (!(scale > 0)) Error(token, fmt::format("\"{}\" is {}; it must be above 0.", token.text, scale));
         } else if (name == "seed") {
             options.seed = arguments_.ReadInt("a seed");
-        } else if (name == "msereferenceimage") {
-            options.mseReferenceImage = arguments_.ReadString("a file name").text;
-        } else if (name == "msereferenceout") {
-            options.mseReferenceOut = arguments_.ReadString("a file name").text;
+        } else if (name == "msereferenceimage" || name == "msereferenceout") {
+            options.mseReferenceLoc = tokens_.Loc(token);
+            (name.ends_with("out") ? options.mseReferenceOut : options.mseReferenceImage) =
+                arguments_.ReadString("a file name").text;
         } else if (name == "rendercoordsys") {
             Token value = arguments_.ReadString("a coordinate system");
             if (Choose(value, "rendering coordinate system", {"camera", "cameraworld", "world"}))
@@ -333,6 +333,7 @@ class DirectiveReader {
             std::string wanted = SceneFileKey(path);
             if (tokens_.IsOpen(wanted)) throw UserError("{}: the file reads itself.", path);
             *key = wanted;
+            builder_.AddSource(path);
             return OpenSceneFile(path);
         } catch (const UserError &e) {
             for (const Diagnostic &d : e.Diagnostics()) builder_.Sink().Error(loc, d.message);
@@ -383,6 +384,7 @@ SceneDescription ParseSceneFiles(const std::vector<std::string> &paths, Diagnost
         const std::string &path = paths[i];
         files = path == "-" ? FileResolver() : FileResolver(std::filesystem::path(path).parent_path());
         std::shared_ptr<const SourceFile> file;
+        builder.AddSource(path);
         complete = Collect(sink, [&] { file = OpenSceneFile(path, ReadFrom::FilesAndPipes); });
         if (!complete) break;
         where = {file, 0, 0};

@@ -89,6 +89,7 @@ struct SceneOptions {
         wavefront;
     std::optional<Float> displacementEdgeScale;
     std::optional<std::string> mseReferenceImage, mseReferenceOut, renderCoordSys;
+    FileLoc mseReferenceLoc;  ///< of the last Option that names one of these files
     std::optional<int> seed;
 };
 
@@ -109,6 +110,7 @@ struct SceneDescription {
     /// which has the parameters of all such directives without their values.
     std::map<std::string, std::vector<Entity>> unbuilt;
     FileResolver files;
+    std::vector<std::string> sources;  ///< scene files, also included ones; "-": standard input
 };
 
 /// Calls f for the shapes of the scene, then for those of its objects.

@@ -59,15 +59,15 @@ struct MeshParams {
         // Stock pbrt-v4 reports arrays of the wrong length and continues without them.
         auto discardUnlessPer = [&](auto &values, size_t expected, const char *name, const char *what) {
             if (values.empty() || values.size() == expected) return;
-            set.Warn(
-                sink, name,
-                fmt::format("\"{}\" has {} entries for {} {}; it is discarded.", name, values.size(), expected, what));
+            set.Warn(sink, name,
+                     fmt::format("\"{}\" has {} for {}; it is discarded.", name,
+                                 CountText(values.size(), "entry", "entries"), CountText(expected, what)));
             values = {};
         };
-        discardUnlessPer(mesh.n, mesh.p.size(), "N", "points");
-        discardUnlessPer(mesh.s, mesh.p.size(), "S", "points");
-        discardUnlessPer(mesh.uv, mesh.p.size(), "uv", "points");
-        discardUnlessPer(faceIndices, mesh.indices.size() / corners, "faceIndices", "faces");
+        discardUnlessPer(mesh.n, mesh.p.size(), "N", "point");
+        discardUnlessPer(mesh.s, mesh.p.size(), "S", "point");
+        discardUnlessPer(mesh.uv, mesh.p.size(), "uv", "point");
+        discardUnlessPer(faceIndices, mesh.indices.size() / corners, "faceIndices", "face");
         return std::move(mesh);
     }
 };
@@ -229,12 +229,12 @@ ShapeList MakePlyMesh(const PlyMeshParams &p, const ParamSet &set, const ShapeCo
         return ParsePly(ReadFileContents(path), path);
     });
     if (ply.ignoredFaces > 0)
-        set.Warn(
-            context.sink, "filename",
-            fmt::format("{}: {} faces have neither 3 nor 4 corners and are ignored.", p.filename, ply.ignoredFaces));
+        set.Warn(context.sink, "filename",
+                 fmt::format("{}: ignores {} with neither 3 nor 4 corners.", p.filename,
+                             CountText(ply.ignoredFaces, "face")));
     if (ply.brokenAttributes > 0)
         set.Warn(context.sink, "filename",
-                 fmt::format("{}: {} normals or uv are infinite or not a number; they are taken as 0.", p.filename,
+                 fmt::format("{}: normals or uv that are infinite or not a number are taken as 0: {}.", p.filename,
                              ply.brokenAttributes));
     if (ply.surplusBytes > 0)
         set.Warn(context.sink, "filename",

@@ -92,7 +92,7 @@ std::optional<int> ParseNoise(int argc, const char *const *argv, const std::vect
     AddFlags(app, "Options",
              {{"--samplers", samplers, "list of samplers (" + samplers + ")"},
               {"--spp", c.samplesPerPixel, "samples per pixel (32)", PositiveNumber},
-              {"--seeds", c.seeds, "independent images of each kind, for the variance (6)", CLI::Range(2, 1000)},
+              {"--seeds", c.seeds, "independent images of each kind, for the variance (6)", ValidRange{2, 1000}},
               {"--divisor", c.resolutionDivisor, "divides the resolution (1)", PositiveNumber},
               {"--maxdepth", c.maxDepth, "scattering events per path (the scene's)", PositiveNumber},
               {"--out", c.outFolder, "folder (<scene name>-noise)"},
@@ -140,7 +140,8 @@ void AddAllFlags(CLI::App &app, LightlabOptions &o, RawFlags &raw, const std::ve
               {"--reference-spp", c.referenceSamples, "samples per pixel of a rendered reference", PositiveNumber},
               {"--cache", c.cacheFolder,
                "folder that keeps rendered references for later experiments ($XDG_CACHE_HOME/pbrt_octree or "
-               "~/.cache/pbrt_octree); \"\": the output folder"}});
+               "~/.cache/pbrt_octree); \"\": the output folder",
+               CLI::Validator("")}});
     AddFlags(
         app, "Output",
         {{"--out", c.outFolder, "folder (<scene name>-lab); of several scenes: holds a folder for each (scenes-lab)"},

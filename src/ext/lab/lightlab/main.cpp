@@ -1,3 +1,4 @@
 #include "ext/lab/lightlab/lightlab.h"
+#include "pbrt/core/log.h"
 
-int main(int argc, char **argv) { return ext::lab::RunLightlab(argc, argv); }
+int main(int argc, char **argv) { return pbrt::FinishOutput(ext::lab::RunLightlab(argc, argv)); }

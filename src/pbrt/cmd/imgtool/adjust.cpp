@@ -156,12 +156,12 @@ void AddBloom(CLI::App &app, Action &action) {
         {Flag("file", o.path, "Image with the channels R, G, B").Required(), OutfileFlag(o.outfile, true),
          Flag("--level", o.level, "Pixels bloom if R, G or B is above this").ShowDefault(),
          Flag("--width", o.width, "Width of the blur in pixels (odd); its standard deviation is a sixth",
-              CLI::Range(1, 1 << 12))
+              ValidRange{1, 1 << 12})
              .ShowDefault(),
          Flag("--iterations", o.iterations,
-              "How often the bright pixels are blurred; the mean of all these images is added", CLI::Range(1, 1000))
+              "How often the bright pixels are blurred; the mean of all these images is added", ValidRange{1, 1000})
              .ShowDefault(),
-         Flag("--scale", o.scale, "What is added is multiplied by this", CLI::NonNegativeNumber).ShowDefault()});
+         Flag("--scale", o.scale, "What is added is multiplied by this", NonNegativeNumber).ShowDefault()});
 }
 
 void AddWhitebalance(CLI::App &app, Action &action) {
@@ -176,7 +176,7 @@ void AddWhitebalance(CLI::App &app, Action &action) {
          Flag("--illuminant", o.illuminant, "The light: a standard illuminant, for instance A or D50").Type("NAME"),
          Flag("--primaries", o.primaries, "The light: its chromaticity").Count(2).Type("x,y"),
          {"--temperature", o.temperature, "The light: daylight of this temperature in kelvin, below 4000 a black body",
-          CLI::Range(1000.0, 25000.0)}});
+          ValidRange{1000.0, 25000.0}}});
     CLI::Option *primaries = command.get_option("--primaries"), *temperature = command.get_option("--temperature");
     command.get_option("--illuminant")->excludes(primaries)->excludes(temperature);
     primaries->excludes(temperature);

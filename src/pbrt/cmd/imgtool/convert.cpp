@@ -1,6 +1,7 @@
 #include <cmath>
 
 #include "pbrt/cmd/imgtool/commands.h"
+#include "pbrt/core/memory.h"
 
 namespace pbrt::imgtool {
 namespace {
@@ -88,8 +89,13 @@ int Convert(const ConvertOptions &o) {
         }
     }
     if (o.repeat > 1) {
-        const int64_t widest = std::max(image.Resolution().x, image.Resolution().y);
-        if (widest * o.repeat > (1 << 20)) throw UserError("--repeatpix {}: the image becomes too large.", o.repeat);
+        const Point2i size = image.Resolution();
+        if (int64_t(std::max(size.x, size.y)) * o.repeat > (1 << 20))
+            throw UserError("--repeatpix {}: the image becomes too large.", o.repeat);
+        RequireMemory(
+            double(image.Bytes()) * Sqr(double(o.repeat)),
+            fmt::format("--repeatpix {}: an image of {} x {} pixels", o.repeat, size.x * o.repeat, size.y * o.repeat),
+            {});
         image = Rearrange(image, image.Resolution() * o.repeat, [&](Point2i p) { return p / o.repeat; });
         if (std::optional<Bounds2i> &window = file.metadata.pixelBounds)
             window = {window->low * o.repeat, window->high * o.repeat};
@@ -116,17 +122,17 @@ void AddConvert(CLI::App &app, Action &action) {
          Flag("--scale", o.scale, "Multiply colours by this").ShowDefault(),
          Flag("--exposure", o.exposure,
               "Stops by which the image becomes brighter: multiply colours by 2 to this power",
-              CLI::Range(-100.0, 100.0))
+              ValidRange{-100.0, 100.0})
              .ShowDefault(),
          {"--clamp", o.clamp, "Scale R, G and B of brighter pixels so that the largest is this; limit other channels",
-          CLI::NonNegativeNumber},
+          NonNegativeNumber},
          {"--tonemap", o.tonemap, "Reinhard's tone mapping: compress luminances to 0 .. 1"},
          {"--maxluminance", o.maxLuminance,
-          "Luminance that --tonemap maps to 1 (default: the largest of the image, at least 1)", CLI::PositiveNumber},
-         Flag("--gamma", o.gamma, "Raise colours to this power", CLI::PositiveNumber).ShowDefault(),
+          "Luminance that --tonemap maps to 1 (default: the largest of the image, at least 1)", PositiveNumber},
+         Flag("--gamma", o.gamma, "Raise colours to this power", PositiveNumber).ShowDefault(),
          {"--bw", o.blackAndWhite, "Average the colour channels into one"},
          {"--flipy", o.flipY, "Turn upside down"},
-         Flag("--repeatpix", o.repeat, "Repeat every pixel n times in both directions", CLI::Range(1, 1 << 16))
+         Flag("--repeatpix", o.repeat, "Repeat every pixel n times in both directions", ValidRange{1, 1 << 16})
              .ShowDefault(),
          {"--fp16", o.half, "Write half precision (otherwise the precision of the input stays)"}});
     command.get_option("--maxluminance")->needs(command.get_option("--tonemap"));

@@ -124,7 +124,7 @@ void AddMakeequiarea(CLI::App &app, Action &action) {
     AddFlags(command, {Flag("file", o.path, "Latitude-longitude image, up in the first row").Required(),
                        OutfileFlag(o.outfile, true),
                        {"--resolution", o.resolution, "Side of the result in pixels (default: width of the input)",
-                        CLI::Range(1, 1 << 15)}});
+                        ValidRange{1, 1 << 15}}});
 }
 
 void AddMakesky(CLI::App &app, Action &action) {
@@ -137,12 +137,12 @@ void AddMakesky(CLI::App &app, Action &action) {
     AddFlags(
         command,
         {OutfileFlag(o.outfile),
-         Flag("--elevation", o.elevation, "Degrees of the sun above the horizon", CLI::Range(0., 90.)).ShowDefault(),
-         Flag("--turbidity", o.turbidity, "2: very clear, 10: haze", CLI::Range(2., 10.)).ShowDefault(),
+         Flag("--elevation", o.elevation, "Degrees of the sun above the horizon", ValidRange{0., 90.}).ShowDefault(),
+         Flag("--turbidity", o.turbidity, "2: very clear, 10: haze", ValidRange{2., 10.}).ShowDefault(),
          Flag("--albedo", o.albedo, "Albedo of the ground, whose light brightens the sky (the ground is black)",
-              CLI::Range(0., 1.))
+              ValidRange{0., 1.})
              .ShowDefault(),
-         Flag("--resolution", o.resolution, "Side of the result in pixels", CLI::Range(1, 1 << 14)).ShowDefault()});
+         Flag("--resolution", o.resolution, "Side of the result in pixels", ValidRange{1, 1 << 14}).ShowDefault()});
 }
 
 }  // namespace pbrt::imgtool

@@ -64,13 +64,12 @@ void AddFalsecolor(CLI::App &app, Action &action) {
         AddCommand(app, action, Falsecolor, "falsecolor", "Show the mean of each pixel's channels as a colour",
                    "Values that are not finite become magenta.\n"
                    "Example: imgtool falsecolor error.exr error.png --maxvalue 0.5 --ramp");
-    AddFlags(command,
-             {Flag("file", o.path, "Image").Required(),
-              OutfileFlag(o.outfile, true),
-              {"--maxvalue", o.maxValue, "Value of the last colour (default: 99 % of the pixels have no larger one)",
-               CLI::PositiveNumber},
-              {"--plusminus", o.plusMinus, "Blue for negative, black for 0, red for positive"},
-              {"--ramp", o.ramp, "Add a bar of all colours below the image"}});
+    AddFlags(command, {Flag("file", o.path, "Image").Required(),
+                       OutfileFlag(o.outfile, true),
+                       {"--maxvalue", o.maxValue,
+                        "Value of the last colour (default: 99 % of the pixels have no larger one)", PositiveNumber},
+                       {"--plusminus", o.plusMinus, "Blue for negative, black for 0, red for positive"},
+                       {"--ramp", o.ramp, "Add a bar of all colours below the image"}});
 }
 
 }  // namespace pbrt::imgtool

@@ -2,9 +2,12 @@
 
 #include <algorithm>
 #include <cctype>
+#include <new>
 
 #include "pbrt/cmd/flags.h"
 #include "pbrt/cmd/imgtool/commands.h"
+#include "pbrt/core/log.h"
+#include "pbrt/core/memory.h"
 #include "pbrt/core/version.h"
 
 namespace {
@@ -43,7 +46,7 @@ const CLI::App *FindCommand(const CLI::App &app, const std::string &name) {
 
 // Prints the error with the valid choices to standard error. `chosen`: the command, or null.
 int ReportUsage(const CLI::App &app, const CLI::App *chosen, const CLI::ParseError &e) {
-    fmt::print(stderr, "Error: {}\n", e.what());
+    fmt::print(stderr, "Error: {}\n", MessageOf(e));
     if (!chosen)
         fmt::print(stderr, "Commands: {}\nUsage: imgtool COMMAND ...; see imgtool help\n",
                    fmt::join(CommandNames(app), " "));
@@ -114,11 +117,12 @@ int Run(int argc, char **argv) {
 
 int main(int argc, char **argv) {
     try {
-        return Run(argc, argv);
+        return FinishOutput(Run(argc, argv));
     } catch (const UserError &e) {
         for (const Diagnostic &d : e.Diagnostics()) fmt::print(stderr, "{}\n", Format(d));
     } catch (const std::exception &e) {
-        fmt::print(stderr, "Error: {}\n", e.what());
+        const bool isMemory = dynamic_cast<const std::bad_alloc *>(&e) != nullptr;
+        fmt::print(stderr, "Error: {}\n", isMemory ? OutOfMemoryText("") : e.what());
     }
     return 1;
 }

@@ -95,7 +95,7 @@ void AddSplitn(CLI::App &app, Action &action) {
         ->allow_extra_args(false)
         ->type_name("x,y");
     AddFlags(command,
-             {Flag("--cropsize", o.cropSize, "Side of the squares in pixels", CLI::Range(1, 1 << 16)).ShowDefault()});
+             {Flag("--cropsize", o.cropSize, "Side of the squares in pixels", ValidRange{1, 1 << 16}).ShowDefault()});
 }
 
 }  // namespace pbrt::imgtool

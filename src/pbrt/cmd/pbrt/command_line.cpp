@@ -4,7 +4,6 @@
 #include <CLI/CLI.hpp>
 
 #include <algorithm>
-#include <cmath>
 #include <map>
 
 #include "pbrt/cmd/flags.h"
@@ -136,7 +135,7 @@ void AddAllFlags(CLI::App &app, const PluginRegistry &registry, CommandLine &o, 
                   "auxiliary channels, mostly of the first visible surface, added to the image of any film, separated "
                   "by commas: {}; denoisers read these names",
                   fmt::join(AovNames(), ", ")),
-              CLI::IsMember(AovNames()))
+              OneOf(AovNames()))
              .Type("NAME,..."),
          {"--write-partial-images", o.writePartialImages, "write the image after every wave of samples"},
          {"--mse-reference-image", build.mseReferenceImage, "compare with this image after every wave"},
@@ -220,7 +219,7 @@ void AddAllFlags(CLI::App &app, const PluginRegistry &registry, CommandLine &o, 
               {"--ignore-unsupported", build.ignoreUnsupported,
                "leave out unsupported features; the image is called ...-incomplete"},
               {"--render-coord-sys", build.renderCoordSys, "camera, cameraworld (default) or world",
-               CLI::IsMember({"camera", "cameraworld", "world"})}});
+               OneOf({"camera", "cameraworld", "world"})}});
 
     const char *messages = "Messages";
     AddFlags(app, messages,
@@ -265,7 +264,6 @@ std::optional<int> ParseCommandLine(int argc, const char *const *argv, const Plu
         if (o.build.mseReferenceImage.empty() != o.build.mseReferenceOut.empty())
             throw CLI::ValidationError("--mse-reference-image and --mse-reference-out go together");
         if (!raw.samples.empty()) o.samples = ParseSamples(raw.samples);
-        if (!std::isfinite(o.noise)) throw CLI::ValidationError("--noise", "is not finite; valid: numbers above 0");
         CheckKeeping(o);
         if (!o.displayServer.empty() && SplitServer(o.displayServer).first.empty())
             throw CLI::ValidationError(
@@ -278,6 +276,9 @@ std::optional<int> ParseCommandLine(int argc, const char *const *argv, const Plu
     if (o.sceneFiles.empty()) o.sceneFiles = {"-"};
     o.build.adaptive = o.build.adaptive || o.noise > 0;
     o.memoryLimit = 1e6 * raw.memoryLimitMb;
+    for (const auto &[flag, path] : {std::pair("--checkpoint", &o.checkpoint), {"--save-lights", &o.saveLights}})
+        if (!path->empty()) o.build.outputs.push_back({flag, *path});
+    if (!o.loadLights.empty()) o.build.inputs.push_back({"--load-lights", o.loadLights});
     // A part writes no image.
     o.build.checksOutput = !o.samples;
     const auto &[crop, bounds, pixel, samples, port, limit] = raw;

@@ -79,7 +79,8 @@ int RunPbrt(int argc, char **argv) {
         team->Fail(e);
         if (isSilent) return 1;
         std::fputs(FormatAll(e, isatty(STDERR_FILENO) != 0).c_str(), stderr);
-        if (e.Count() > 1) std::fprintf(stderr, "%zu errors; nothing was rendered.\n", e.Count());
+        if (e.Count() > 1 && progress.PhaseName() != "writing")
+            std::fprintf(stderr, "%zu errors; nothing was rendered.\n", e.Count());
         return 1;
     } catch (const std::bad_alloc &) {
         return fail(OutOfMemoryText(progress.PhaseName()));

@@ -5,6 +5,7 @@
 
 #include <algorithm>
 #include <cstdio>
+#include <filesystem>
 
 #include "pbrt/build/built_scene.h"
 #include "pbrt/cmd/pbrt/checkpoint.h"
@@ -76,25 +77,28 @@ class ImageWriter {
         SetRendering();
     }
 
-    /// Writes the final image. Returns the file's name; empty if there is nothing to write.
-    std::string Write(const RenderResult &result) {
+    /// Writes the final image and side images. Returns the image's file name; empty if nothing is written.
+    std::string Write(const RenderResult &result, DiagnosticSink &failures) {
         if (result.cancelled && result.samplesTaken == 0) {
             LogInfo("Interrupted before every pixel had a sample: no image was written.");
             return {};
         }
-        SetWriting(output_.Filename());
-        std::string name = output_.Filename();
-        if (result.cancelled) name = output_.WriteUnfinished(built_.film->ToImage(), Describe(result));
-        else output_.WriteFinished(built_.film->ToImage(), Describe(result));
+        const std::string written = Save(output_.Filename(), *built_.film, result, failures, [&](const auto &...image) {
+            if (result.cancelled) return output_.WriteUnfinished(image...);
+            output_.WriteFinished(image...);
+            return output_.Filename();
+        });
+        const bool isKept = result.cancelled && !failures.HasErrors() && written != output_.Filename();
         for (const SideImage &side : built_.integrator->SideImages()) {
-            const std::string beside = WithSuffix(name, "-" + side.name);
-            SetWriting(beside);
-            WriteImage(beside, side.film->ToImage(), Describe(result));
+            const std::string beside = WithSuffix(isKept ? written : output_.Filename(), "-" + side.name);
+            Save(beside, *side.film, result, failures, [&](const auto &...image) {
+                WriteImage(beside, image...);
+                return beside;
+            });
         }
-        if (result.cancelled) LogInfo("Interrupted: the image holds what was rendered.");
-        if (name != output_.Filename())
-            LogInfo("{} is kept: it has more samples of this scene, or an unknown number.", output_.Filename());
-        return name;
+        if (result.cancelled && !written.empty()) LogInfo("Interrupted: the image holds what was rendered.");
+        if (isKept) LogInfo("{} is kept: it has more samples of this scene, or an unknown number.", output_.Filename());
+        return written;
     }
 
     void SetRendering() const {
@@ -103,6 +107,29 @@ class ImageWriter {
     }
 
   private:
+    /// Writes an image by write(image, metadata), which returns its name. If that fails, with an error in `failures`,
+    /// writes a new file beside the scene, in the working directory or in that of temporary files. Returns the name of
+    /// the written file; empty if there is none.
+    std::string Save(const std::string &name, const Film &film, const RenderResult &result, DiagnosticSink &failures,
+                     auto &&write) const {
+        SetWriting(name);
+        const Image image = film.ToImage();
+        const ImageMetadata metadata = Describe(result);
+        std::string written;
+        if (Collect(failures, [&] { written = write(image, metadata); })) return written;
+        namespace fs = std::filesystem;
+        std::error_code none;
+        const fs::path old(name), beside = fs::path(options_.sceneFiles[0]).parent_path();
+        const std::string stem = old.stem().string().substr(0, 200);  // file names have at most 255 bytes
+        for (const fs::path &folder : {beside, fs::path(), fs::temp_directory_path(none)}) {
+            const fs::path path = folder / fmt::format("{}-rescued-{}{}", stem, getpid(), old.extension().string());
+            DiagnosticSink ignored;
+            if (FileExists(path) || !Collect(ignored, [&] { WriteImage(path, image, metadata); })) continue;
+            failures.Error({}, "{}: this image is in {} instead.", name, path.string());
+            return path;
+        }
+        return {};
+    }
     void SetWriting(const std::string &name) const {
         signals_.Cancel(fmt::format("Interrupted; writing {} is finished first. A second signal ends at once.", name),
                         fmt::format("Interrupted while writing: {} was not written.", name), kWritingSeconds);
@@ -309,8 +336,10 @@ class RenderJob {
         if (checkpoint_) result.seconds += checkpoint_->RenderSecondsBefore();
         live_.Finish(*built.film, result);
         progress_.BeginPhase("writing", 0);
-        const std::string written = options_.samples ? "" : writer.Write(result);
-        if (!learnedLights_->SavePath().empty() && !result.cancelled) learnedLights_->Save(built);
+        DiagnosticSink failures;  // after each of them, everything else is still written
+        const std::string written = options_.samples ? "" : writer.Write(result, failures);
+        if (!learnedLights_->SavePath().empty() && !result.cancelled)
+            Collect(failures, [&] { learnedLights_->Save(built); });
         timings_.write = progress_.EndPhase();
         const bool hasFailed = checkpoint_ && !checkpoint_->Failure().empty();
         if (settings_->checkpoint && !hasFailed) LogCheckpoint(result);
@@ -325,9 +354,9 @@ class RenderJob {
         if (options_.stats == "json") PrintStatisticsJson(options_, built, result, timings_, written);
         std::fflush(stdout);
         live_.WaitForViewers(LiveView::kFarewellSeconds);
-        // The image is written even if one of these failed.
-        if (!result.mseFailure.empty()) throw UserError(result.mseFailure);
-        if (hasFailed) throw UserError(checkpoint_->Failure());
+        if (!result.mseFailure.empty()) failures.Error({}, result.mseFailure);
+        if (hasFailed) failures.Error({}, checkpoint_->Failure());
+        failures.ThrowIfErrors();
         signals_.EndAtOnce("");
         return signals_.Status();
     }

@@ -25,6 +25,11 @@ TEST(Format, LeavesOutPartsWithoutAPlace) {
     EXPECT_EQ(Format({Severity::Error, {}, "Bad."}, true), "\033[1;31mError\033[0m: Bad.");
 }
 
+TEST(CountText, HasThePluralOfItsNoun) {
+    EXPECT_EQ(CountText(1, "sample") + ", " + CountText(2, "sample"), "1 sample, 2 samples");
+    EXPECT_EQ(CountText(1, "leaf", "leaves") + ", " + CountText(0, "leaf", "leaves"), "1 leaf, 0 leaves");
+}
+
 TEST(Format, LongLinesAreCutAroundTheCaret) {
     std::string text = std::string(5000, 'a') + "X" + std::string(5000, 'b');
     std::string message = Format({Severity::Error, At(text, 1, 5000), "Bad."});

@@ -55,6 +55,20 @@ TEST_F(Files, NamesAreResolvedBesideTheSceneFirst) {
     EXPECT_EQ(FileResolver().Resolve("x.png"), "x.png");
 }
 
+TEST_F(Files, TwoNamesMayLeadToOneFile) {
+    Write("a", "");
+    Write("b", "");
+    fs::create_directory(Path("deep"));
+    fs::create_symlink(Path("a"), Path("link"));
+    for (const auto &[one, other] : {std::pair("a", "a"), {"a", "deep/../a"}, {"link", "./a"}, {"new", "deep/../new"}})
+        EXPECT_TRUE(IsSameFile(Path(one), Path(other))) << one << " " << other;
+    for (const auto &[one, other] : {std::pair("a", "b"), {"a", "new"}, {"new", "a"}, {"new", "deep/new"}})
+        EXPECT_FALSE(IsSameFile(Path(one), Path(other))) << one << " " << other;
+    EXPECT_TRUE(IsSameFile("no_such_file", "./no_such_file"));
+    EXPECT_TRUE(IsSameFile("no_such_file", fs::absolute("no_such_file").string()));
+    EXPECT_FALSE(IsSameFile("/dev/null", "/dev/null")) << "a device keeps nothing that could be overwritten";
+}
+
 // A gzip bomb: some kilobytes that unpack to any number of bytes.
 TEST_F(Files, WhatDoesNotFitIntoMemoryThrowsBeforeItIsRead) {
     const std::string large(100 << 20, 'x');

@@ -62,7 +62,9 @@ TEST_F(ShapeFactory, ArraysOfTheWrongLengthAreDiscardedWithAWarning) {
     auto shapes = Make("trianglemesh");
     const MeshData &data = static_cast<const TriangleMesh &>(*shapes[0]).Data();
     EXPECT_TRUE(data.n.empty() && data.s.empty() && data.uv.empty());
-    EXPECT_EQ(sink.All().size(), 4u);
+    ASSERT_EQ(sink.All().size(), 4u);
+    ExpectWords(sink.All()[0].message, {"\"N\" has 3 entries for 4 points"});
+    ExpectWords(sink.All()[3].message, {"\"faceIndices\" has 2 entries for 1 face;"});
     EXPECT_FALSE(sink.HasErrors());
     EXPECT_EQ(Unused(), 0u);
 }
@@ -174,7 +176,8 @@ TEST_F(ShapeFactory, PlyFilesPlainAndGzipWithTrianglesAndQuads) {
         EXPECT_EQ(shapes[0]->Kind(), ShapeKind::TriangleMesh);
         EXPECT_EQ(shapes[1]->Kind(), ShapeKind::BilinearMesh);
         EXPECT_TRUE(static_cast<const BilinearMesh &>(*shapes[1]).IsRectangle(0));
-        EXPECT_EQ(warnings.All().size(), 1u);
+        ASSERT_EQ(warnings.All().size(), 1u);
+        ExpectWords(warnings.All()[0].message, {std::string(name) + ": ignores 1 face with neither"});
     }
 }
 

@@ -87,7 +87,7 @@ TEST_F(Lightlab, IntegratorsWithoutLightSamplerAreErrors) {
         const std::string from = "\"path\" \"integer maxdepth\" 3";
         scene.replace(scene.find(from), from.size(), '"' + integrator + '"');
         Write(integrator + ".pbrt", scene);
-        const std::vector<std::string> words = {integrator + ".pbrt: ", '"' + integrator + '"', "no light sampler",
+        const std::vector<std::string> words = {integrator + ".pbrt:5:0: ", '"' + integrator + '"', "no light sampler",
                                                 "\"path\""};
         for (const std::string &arguments :
              {integrator + ".pbrt " + kSmall, "noise " + integrator + ".pbrt --samplers uniform --spp 2 --seeds 2",
@@ -214,6 +214,12 @@ TEST_F(Lightlab, SamplesOfATimedExperimentCanBeReplayed) {
     const Outcome more = Run("scene.pbrt --samples-from timed/results.json --seeds 3 --no-report --out more");
     EXPECT_EQ(more.status, 1);
     EXPECT_TRUE(Has(more.err, "seed 2")) << more.err;
+    const std::string before = Read("timed/results.json");
+    ExpectErrors({{"scene.pbrt --samples-from timed/results.json --restart --out timed",
+                   {"--samples-from timed/results.json: ", "--out"}},
+                  {"scene.pbrt --reference ./timed/reference-0.exr --restart --out timed",
+                   {"--reference ./timed/reference-0.exr: ", "--out"}}});
+    EXPECT_EQ(Read("timed/results.json"), before);
 }
 
 TEST_F(Lightlab, MistakesAreReportedTogetherAndNothingIsRendered) {
@@ -224,9 +230,11 @@ TEST_F(Lightlab, MistakesAreReportedTogetherAndNothingIsRendered) {
          {"scene.pbrt --samplers 'bvh+mush;bvh+gate=neepp;bvh+guide:length=2'",
           {"+mush", "+mesh", "+gate", "length", "3 errors"}},
          {"scene.pbrt --time 1 --spp 2", {"--time", "--spp"}},
-         {"scene.pbrt --spp 0", {"--spp: 0 is not more than 0", "--help"}},
+         {"scene.pbrt --spp 0", {"--spp: \"0\" is not an integer from 1 to 2147483647", "--help"}},
+         {"scene.pbrt --time 1e400", {"--time: \"1e400\" is not a finite number above 0"}},
+         {"scene.pbrt --out ''", {"--out: the value is empty"}},
          {"scene.pbrt --seeds two", {"--seeds", "two"}},
-         {"scene.pbrt --nthreads -1", {"--nthreads: -1 is less than 0"}},
+         {"scene.pbrt --nthreads -1", {"--nthreads: \"-1\" is not an integer from 0 to 2147483647"}},
          {"scene.pbrt --crops 1,2,3", {"--crops", "1,2,3"}},
          {"scene.pbrt --crops 0,0,99,9 --samplers bvh", {"--crops", "32 x 24"}},
          {"scene.pbrt --reference none.exr --samplers bvh", {"none.exr"}},
@@ -234,7 +242,29 @@ TEST_F(Lightlab, MistakesAreReportedTogetherAndNothingIsRendered) {
          {"nosuch.pbrt --samplers bvh", {"nosuch.pbrt"}},
          {"", {"scene"}}});
     EXPECT_TRUE(Has(Run("inspect scene.pbrt --sampler bvhh").err, "Error: --sampler:1:0"));
+    ExpectErrors({{"inspect scene.pbrt --divisor 1e3", {"--divisor: \"1e3\" is not an integer from 1 to 2147483647"}},
+                  {"noise scene.pbrt --seeds 1", {"--seeds: \"1\" is not an integer from 2 to 1000"}}},
+                 "");
     EXPECT_FALSE(std::filesystem::exists(Path("scene-lab")));
+}
+
+/// The work would take hours.
+TEST_F(Lightlab, AFolderThatCannotBeWrittenIsFoundBeforeTheWork) {
+    ExpectErrors({{"noise scene.pbrt --samplers uniform --spp 100000000 --out scene.pbrt/n", {"scene.pbrt/n: Not a"}},
+                  {"inspect scene.pbrt --sampler uniform --samples 100000000 --out scene.pbrt", {"scene.pbrt: Not a"}},
+                  {"inspect scene.pbrt --sampler uniform --samples 100000000 --out /proc/self", {"/proc/self"}}},
+                 "");
+}
+
+TEST_F(Lightlab, AFailureOfStandardOutputIsAnError) {
+    launcher_ = R"(sh -c 'exec "$0" "$@" > /dev/full')";
+    for (const char *arguments : {"--version", "noise --help",
+                                  "scene.pbrt --samplers uniform --spp 1 --seeds 1 "
+                                  "--reference-spp 8 --selection-work 0 --no-report"}) {
+        const Outcome o = Run(arguments);
+        EXPECT_EQ(o.status, 1) << arguments;
+        ExpectWords(o.err, {"Error: the standard output cannot be written"});
+    }
 }
 
 TEST_F(Lightlab, NumbersOutOfRangeAreShownWhereTheyWereWritten) {

@@ -60,6 +60,42 @@ TEST_F(Imgtool, UsageErrorsListTheChoices) {
          {"info missing.exr", "missing.exr: No such"}});
 }
 
+TEST_F(Imgtool, NumbersAreFiniteAndInRange) {
+    WriteImage(Path("a.exr"), Constant({16, 16}, 1));
+    std::vector<std::pair<std::string, std::string>> cases = {
+        {"convert a.exr b.exr --scale ''", "--scale: \"\" is not a finite number\n"},
+        {"convert a.exr b.exr --scale=", "--scale: the value after = is missing\n"},
+        {"convert a.exr b.exr --scale 1e39", "--scale: \"1e39\" is not a finite number\n"},
+        {"convert a.exr b.exr --channels ''", "--channels: the value is empty\n"},
+        {"convert a.exr ''", "outfile: the value is empty\n"},
+        {"convert a.exr b.exr --exposure 101", "--exposure: \"101\" is not a number from -100 to 100\n"},
+        {"convert a.exr b.exr --gamma 0", "--gamma: \"0\" is not a finite number above 0\n"},
+        {"convert a.exr b.exr --clamp -1", "--clamp: \"-1\" is not a finite number from 0\n"},
+        {"convert a.exr b.exr --repeatpix 1e3", "--repeatpix: \"1e3\" is not an integer from 1 to 65536\n"},
+        {"convert a.exr b.exr --repeatpix 65536", "--repeatpix 65536: an image of 1048576 x 1048576 pixels needs"},
+        {"convert a.exr b.exr --crop 0,1,0,0.5", "--crop: \"0.5\" is not an integer from -2147483648 to 2147483647\n"},
+        {"convert a.exr b.exr --scale 1 --scale 2", "--scale: is given more than once\n"},
+        {"convert a.exr b.exr --outfile c.exr", "outfile: is given more than once\n"}};
+    for (const char *flag :
+         {"convert a.exr b.exr --exposure", "convert a.exr b.exr --scale", "convert a.exr b.exr --clamp",
+          "falsecolor a.exr b.png --maxvalue", "bloom a.exr b.exr --level", "whitebalance a.exr b.exr --temperature",
+          "scalenormalmap a.exr b.exr --scale", "makesky --outfile s.exr --elevation",
+          "makesky --outfile s.exr --turbidity"})
+        for (const std::string value : {"nan", "inf", "1e400", "much"})
+            cases.push_back({fmt::format("{} {}", flag, value), fmt::format("\"{}\" is not a ", value)});
+    ExpectErrors(cases);
+}
+
+TEST_F(Imgtool, AFailureOfStandardOutputIsAnError) {
+    WriteImage(Path("a.exr"), Constant({4, 3}, 1));
+    launcher_ = R"(sh -c 'exec "$0" "$@" > /dev/full')";
+    for (const char *arguments : {"--version", "help diff", "info a.exr", "info --json a.exr"}) {
+        const Outcome o = Run(arguments);
+        EXPECT_EQ(o.status, 1) << arguments;
+        ExpectWords(o.err, {"Error: the standard output cannot be written"});
+    }
+}
+
 TEST_F(Imgtool, InfoShowsWindowsSpaceMetadataAndStatistics) {
     Image image(PixelFormat::Half, {2, 1}, kRgb);
     image.Set({0, 0}, 0, 0.5f);

@@ -142,7 +142,8 @@ TEST_F(Adaptive, ImpossibleCombinationsAreErrors) {
                   {"--adaptive --integrator mlt ball.pbrt", {"--adaptive", "mlt", "path"}},
                   {"--adaptive --integrator sppm ball.pbrt", {"--adaptive", "sppm", "bdpt"}},
                   {"--noise 0.1 --integrator lightpath ball.pbrt", {"--noise", "lightpath", "path"}},
-                  {"--noise 0 ball.pbrt", {"--noise", "0 is not more than 0"}},
+                  {"--noise 0 ball.pbrt", {"--noise: \"0\" is not a finite number above 0"}},
+                  {"--noise inf ball.pbrt", {"--noise: \"inf\" is not a finite number above 0"}},
                   {"--noise much ball.pbrt", {"--noise", "much"}},
                   {"--adaptive --samples 0:2 --checkpoint c.chk ball.pbrt", {"--samples", "--adaptive"}},
                   {"--samples 0:2 --checkpoint c.chk adaptive.pbrt", {"--samples", "adaptive"}}});

@@ -304,14 +304,16 @@ TEST_F(SharedLights, ErrorsOfOtherLightsNameTheDifference) {
     Write("brighter.pbrt", Replaced(Frame(0), "[ 2 3 4 ]", "[ 2 3 5 ]"));
     RunWell(lights_ + "a.pbrt --save-lights lights --outfile a.exr");
     const std::string load = "--load-lights lights --outfile b.exr ";
-    ExpectErrors({{lights_ + load + "more.pbrt", {"lights: ", "83", "82"}},
-                  {lights_ + load + "larger.pbrt", {"the scene's bounding box is"}},
-                  {lights_ + load + "brighter.pbrt", {"the lights' power and places"}},
-                  {"--lightsampler octree:floor=0.2 " + load + "a.pbrt", {"the light sampler's parameters"}},
-                  {"--lightsampler bvh " + load + "a.pbrt", {"\"bvh\" learns nothing"}},
-                  {"--lightsampler bvh --save-lights x a.pbrt --outfile b.exr", {"\"bvh\" learns nothing"}},
-                  {"--integrator simplepath --save-lights x a.pbrt --outfile b.exr", {"uses no light sampler"}},
-                  {lights_ + "--load-lights none a.pbrt", {"none: there is no such"}}});
+    ExpectErrors(
+        {{lights_ + load + "more.pbrt", {"lights: ", "83", "82"}},
+         {lights_ + load + "larger.pbrt", {"the scene's bounding box is"}},
+         {lights_ + load + "brighter.pbrt", {"the lights' power and places"}},
+         {"--lightsampler octree:floor=0.2 " + load + "a.pbrt", {"the light sampler's parameters"}},
+         {"--lightsampler bvh " + load + "a.pbrt", {"\"bvh\" learns nothing"}},
+         {"--lightsampler bvh --save-lights x a.pbrt --outfile b.exr", {"\"bvh\" learns nothing"}},
+         {"--integrator simplepath --save-lights x a.pbrt --outfile b.exr", {"uses no light sampler"}},
+         {lights_ + load + "--save-lights ./lights a.pbrt", {"lights: is named by --save-lights and by --load-lights"}},
+         {lights_ + "--load-lights none a.pbrt", {"none: there is no such"}}});
     const std::string whole = Read("lights");
     Write("cut", whole.substr(0, whole.size() / 2));
     ExpectErrors({{lights_ + "--load-lights cut a.pbrt", {"cut", "cut off"}}});

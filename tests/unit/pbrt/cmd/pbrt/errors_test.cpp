@@ -156,6 +156,22 @@ TEST_F(Errors, UnwritableOutputIsReportedBeforeTheSceneIsBuilt) {
     }
 }
 
+TEST_F(Errors, WhatOnlyTheWholeSceneShowsHasAPlace) {
+    const std::string lens = "Camera 'realistic' 'string lensfile' '" + kSuite + "scenes/assets/lens_symmetric.dat'\n",
+                      world = "WorldBegin\nShape 'sphere'\n";
+    Write("lens.pbrt", Quoted(lens + "Film 'rgb'\nIntegrator 'bdpt'\n" + world));
+    Write("path.pbrt", Quoted(lens + "Film 'rgb'\nIntegrator 'path'\n" + world));
+    Write("one.pbrt", Quoted("Film 'rgb'\nOption 'msereferenceimage' 'a.exr'\n" + world));
+    Write("none.pbrt",
+          Quoted("Film 'rgb'\nOption 'msereferenceout' 'mse.txt'\nOption 'msereferenceimage' 'none.exr'\n" + world));
+    Write("nowhere.pbrt", Quoted("Film 'rgb' 'string filename' 'nowhere/a.exr'\n" + world));
+    ExpectErrors({{"lens.pbrt", {"Error: lens.pbrt:3:0: ", "follows light to the camera", "^"}},
+                  {"--integrator bdpt path.pbrt", {"Error: --integrator:1:0: ", "follows light to the camera", "^"}},
+                  {"one.pbrt", {"Error: one.pbrt:2:7: ", "needs both", "^"}},
+                  {"none.pbrt", {"Error: none.pbrt:3:7: ", "none.exr: the reference image", "^"}},
+                  {"nowhere.pbrt", {"Error: nowhere.pbrt:1:", "folder nowhere", "^"}}});
+}
+
 TEST_F(Errors, EverythingUnsupportedIsListedOnceBeforeRendering) {
     Write("scene.pbrt", SceneText()
                             .Head("Film 'rgb'")
@@ -197,6 +213,11 @@ TEST_F(Errors, LightSamplersAreWrittenWithAColon) {
     std::vector<ErrorCase> cases = {
         {"--lightsampler 'octree:floor=0.1;leaves=3' scene.pbrt", {"\"0.1;leaves=3\"", "commas separate parameters"}},
         {"--lightsampler 'octre,floor=0.1' scene.pbrt", {"\"octre\"", "did you mean \"octree\"?"}},
+        {"--lightsampler octree:floor=.1,floor=.2 scene.pbrt",
+         {"--lightsampler:1:16", "\"octree.floor\" is given twice", "^"}},
+        {"--lightsampler octree+mesh+mesh scene.pbrt", {"--lightsampler:1:11", "\"+mesh\" is given twice", "^"}},
+        {"--lightsampler octree+guide+guide:share=0.5 scene.pbrt",
+         {"--lightsampler:1:12", "\"+guide\" is given twice", "^"}},
         {"name.pbrt", {"Error: name.pbrt:5:", "is the form of flags", "\"float octree.floor\"", "^"}}};
     for (const char *separator : {",", ";", "=", " ", "/"})
         cases.push_back({std::string("--lightsampler 'octree") + separator + "floor=0.1' scene.pbrt",

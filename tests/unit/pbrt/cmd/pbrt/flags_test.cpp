@@ -32,8 +32,35 @@ TEST_F(Flags, UnknownFlagsAndBadValuesAreErrors) {
                   {"--pixelbounds 0,1,0,x scene.pbrt", {"--pixelbounds", "4 numbers", "x0,x1,y0,y1", "\"x\""}},
                   {"--render-coord-sys moon scene.pbrt", {"--render-coord-sys", "cameraworld"}},
                   {"--mse-reference-out mse.txt scene.pbrt", {"--mse-reference-image"}},
-                  {"--integrator pahtt scene.pbrt", {"\"pahtt\"", "simplepath"}},
-                  {"--cropwindow 0.5,0.5,0,1 scene.pbrt", {"command line: ", "No pixel"}}});
+                  {"--integrator pahtt scene.pbrt", {"Error: --integrator:1:0: ", "\"pahtt\"", "simplepath", "^"}},
+                  {"--cropwindow 0.5,0.5,0,1 scene.pbrt", {"command line: No pixel is left"}}});
+}
+
+TEST_F(Flags, NumbersAreFiniteAndTextsNotEmpty) {
+    std::vector<ErrorCase> cases = {
+        {"--outfile out.exr --outfile b.exr scene.pbrt", {"--outfile: is given more than once\n"}},
+        {"--pixel 1,2 --pixel 3,4 scene.pbrt", {"--pixel: is given more than once\n"}},
+        {"--aov albdo scene.pbrt", {"--aov: \"albdo\" is unknown; did you mean \"albedo\"? valid: "}},
+        {"--render-coord-sys wrld scene.pbrt", {"\"wrld\" is unknown; did you mean \"world\"? valid: camera, "}},
+        {"--seed 99999999999 scene.pbrt",
+         {"--seed: \"99999999999\" is not an integer from -2147483648 to 2147483647\n"}},
+        {"--pixelbounds 0,1,0,1e1 scene.pbrt", {"--pixelbounds: \"1e1\" is not an integer from"}}};
+    for (const std::string value : {"1e3", "4.0", "1e400", "99999999999", "0", "many"})
+        cases.push_back({"--spp " + value + " scene.pbrt",
+                         {fmt::format("--spp: \"{}\" is not an integer from 1 to 2147483647\n", value)}});
+    for (const std::string flag : {"--time", "--memory-limit", "--displacement-edge-scale", "--checkpoint-interval"})
+        for (const std::string value : {"inf", "nan", "1e400", "0"})
+            cases.push_back({flag + " " + value + " scene.pbrt",
+                             {fmt::format("{}: \"{}\" is not a finite number above 0\n", flag, value)}});
+    for (const std::string window : {"nan,1,0,1", "0,1e400,0,1", "0,1,0,-inf"})
+        cases.push_back(
+            {"--cropwindow " + window + " scene.pbrt", {"--cropwindow: \"", "\" is not a finite number\n"}});
+    for (const std::string flag : {"--outfile", "--samples", "--lightsampler", "--integrator", "--checkpoint"})
+        for (const auto &[value, message] :
+             {std::pair(" ''", ": the value is empty\n"), {"=", ": the value after = is missing\n"}})
+            cases.push_back({flag + value + " scene.pbrt", {flag + message}});
+    cases.push_back({"--seed '' scene.pbrt", {"--seed: \"\" is not an integer"}});
+    ExpectErrors(cases);
 }
 
 TEST_F(Flags, FlagsOfStockHaveAHint) {
@@ -264,6 +291,17 @@ TEST_F(Flags, StatisticsAsJsonAreAllOfStandardOutput) {
     EXPECT_FALSE(json["isInterrupted"]);
     EXPECT_EQ(Run("--spp 1 --stats=text --outfile out.exr scene.pbrt").out.substr(0, 10), "Statistics");
     ExpectErrors({{"--stats=yaml scene.pbrt", {"--stats", "text", "json"}}});
+}
+
+TEST_F(Flags, AFailureOfStandardOutputIsAnError) {
+    launcher_ = R"(sh -c 'exec "$0" "$@" > /dev/full')";
+    for (const char *arguments : {"--version", "--help", "--list all", "--spp 1 --stats --outfile out.exr scene.pbrt",
+                                  "--spp 1 --stats=json --outfile out.exr scene.pbrt"}) {
+        const Outcome o = Run(arguments);
+        EXPECT_EQ(o.status, 1) << arguments;
+        ExpectWords(o.err, {"Error: the standard output cannot be written"});
+    }
+    EXPECT_TRUE(Exists("out.exr"));
 }
 
 TEST_F(Flags, MaxDepthAndIntegratorBeatTheScene) {

@@ -2,6 +2,7 @@
 #include <sys/stat.h>
 
 #include <algorithm>
+#include <nlohmann/json.hpp>
 
 #include "program.h"
 #include "support/small_files.h"
@@ -21,6 +22,32 @@ TEST_F(Output, AFullDiskIsAnErrorAndKeepsTheOldPicture) {
         EXPECT_EQ(Read(name), "an old picture");
         RunWell("--spp 1 --outfile " + name + " scene.pbrt");
         EXPECT_GT(Read(name).size(), 1000u) << "the picture is too small for the limit of this test";
+    }
+}
+
+// The folder of the picture vanishes during the render, and for the second render that of the scene as well.
+TEST_F(Output, AFinishedRenderIsNeverLost) {
+    const bool ext = HasExt();
+    for (const std::string rescuedIn : {"scenes/", ""}) {
+        SCOPED_TRACE(rescuedIn);
+        Write("scenes/scene.pbrt", LearningScene("rgb", 1024));
+        std::filesystem::create_directory(Path("pictures"));
+        std::filesystem::remove(Path("c.chk"));
+        const pid_t pid = StartUntilWritten(
+            std::string("--outfile pictures/out.exr --stats=json --checkpoint c.chk --checkpoint-interval 0.01 ") +
+                (ext ? "--lightsampler octree --save-lights lights " : "") + "scenes/scene.pbrt",
+            "c.chk");
+        std::filesystem::remove_all(Path("pictures"));
+        if (rescuedIn.empty()) std::filesystem::remove_all(Path("scenes"));
+        const Outcome o = Wait(pid);
+        EXPECT_EQ(o.status, 1);
+        const std::string name = fmt::format("{}out-rescued-{}.exr", rescuedIn, pid);
+        ExpectWords(o.err, {"Error: pictures/out.exr: the folder pictures does not exist",
+                            "pictures/out.exr: this image is in " + name});
+        EXPECT_FALSE(Has(o.err, "nothing was rendered")) << o.err;
+        EXPECT_EQ(IntOf(ReadImage(Path(name)), "samplesPerPixel"), 1024);
+        EXPECT_EQ(nlohmann::json::parse(o.out)["picture"], name);
+        EXPECT_TRUE(!ext || Exists("lights"));
     }
 }
 
@@ -48,6 +75,36 @@ TEST_F(Output, NamesMayBeLongAndInCapitals) {
     }
     // The error must come before rendering, which would take hours.
     ExpectErrors({{"--spp 100000000 --outfile " + std::string(252, 'n') + ".exr scene.pbrt", {"File name too long"}}});
+}
+
+// The second of two outputs would replace the first, and a render would replace its own scene.
+TEST_F(Output, OneFileIsNotWrittenForTwoThingsNorOverAnInput) {
+    Write("part.pbrt", "# nothing\n");
+    Write("whole.pbrt", SmallScene() + Quoted("Include 'part.pbrt'\n"));
+    Write("picture.exr", "a picture");
+    Write("image.pbrt",
+          SmallScene() + Quoted("Texture 'wood' 'spectrum' 'imagemap' 'string filename' 'picture.exr'\n"));
+    Write("log.pbrt", Quoted("Option 'msereferenceimage' 'picture.exr'\nOption 'msereferenceout' './picture.exr'\n") +
+                          SmallScene());
+    std::filesystem::create_symlink("scene.pbrt", Path("link"));
+    std::filesystem::create_directory(Path("folder"));
+    ExpectErrors(
+        {{"--outfile a.exr --save-lights a.exr scene.pbrt", {"a.exr: ", "--outfile", "--save-lights"}},
+         {"--outfile a.exr --checkpoint ./folder/../a.exr scene.pbrt", {"a.exr: ", "--outfile", "--checkpoint"}},
+         {"--checkpoint c --save-lights c scene.pbrt", {"c: ", "--checkpoint", "--save-lights"}},
+         {"--save-lights scene.exr scene.pbrt", {"scene.pbrt:3:", "scene.exr: ", "--save-lights", "Film", "^"}},
+         {"--save-lights scene.pbrt scene.pbrt", {"scene.pbrt: ", "--save-lights", "the scene"}},
+         {"--save-lights link scene.pbrt", {"link: ", "--save-lights", "the scene"}},
+         {"--samples 0:1 --checkpoint c --mse-reference-image picture.exr --mse-reference-out picture.exr scene.pbrt",
+          {"picture.exr: ", "--mse-reference-out", "--mse-reference-image"}},
+         {"--mse-reference-image picture.exr --mse-reference-out part.pbrt whole.pbrt",
+          {"part.pbrt: ", "--mse-reference-out", "the scene"}},
+         {"log.pbrt", {"log.pbrt:2:7: ", "picture.exr: ", "msereferenceout", "msereferenceimage", "^"}},
+         {"--outfile picture.exr image.pbrt",
+          {"image.pbrt:", "picture.exr: ", "--outfile", "Texture \"imagemap\"", "^"}}});
+    EXPECT_EQ(Read("scene.pbrt"), SmallScene());
+    EXPECT_EQ(Read("picture.exr"), "a picture");
+    EXPECT_EQ(Read("part.pbrt"), "# nothing\n");
 }
 
 TEST_F(Output, GoesIntoPipes) {

@@ -216,6 +216,8 @@ std::optional<ShapeSample> TriangleMesh::Sample(uint32_t primitive, const ShapeS
     const TriangleSampling::Point at = TriangleSampling(from, c.p0, c.p1, c.p2).Sample(u);
     if (!(at.pdf > 0 && std::isfinite(at.pdf))) return {};
     ShapeSample s = SampleAt(primitive, c, at.barycentrics);
+    if (at.offset != Vector3(0)) [[unlikely]]
+        s.p = from.p + at.offset;
     s.pdf = at.pdf;
     return s;
 }

@@ -78,6 +78,32 @@ TEST(Floors, MayBeAPlanet) {
     ExpectSame("planet", RenderSeeds(FloorText(planet, 6371000, {"path"}), kFloorRuns), flat, 0.0005);
 }
 
+/// A floor under a lamp that nearly fills its sky.
+std::string LargeLampText(const Objects &lamp, const ScaleIntegrator &integrator) {
+    return ViewText({}, integrator, {0, 1, 2, 0, 0, 0, 0, 1, 0}, 30, 1,
+                    Objects()
+                        .Attribute("Translate 0 2 0 Rotate 90 1 0 0", Objects().AreaLight("1 1 1").Add(lamp))
+                        .Diffuse(".5 .5 .5")
+                        .Quad("-5 0 -5 5 0 -5 -5 0 5 5 0 5"));
+}
+
+/// The diagonal is overhead: as seen from the floor its ends are nearly antipodal.
+TEST(LargeLamps, OfTwoTrianglesAreAlike) {
+    for (const ScaleIntegrator &integrator : {ScaleIntegrator{"path"}, ScaleIntegrator{"bdpt"},
+                                              ScaleIntegrator{"simplepath", "'bool samplelights' true"}}) {
+        const std::string small = Placement{1e3}.Points({-1, -1, 0, 1, -1, 0, -1, 1, 0, 1, 1, 0});
+        const std::vector<Image> patch = RenderSeeds(LargeLampText(Objects().Quad(small), integrator), kFloorRuns);
+        EXPECT_NEAR(MeanOf(patch[0]), 0.5, 0.02);
+        for (const double r : {1e3, 1e5, 1e6})
+            for (const char *order : {"0 1 2 1 3 2", "1 2 0 3 2 1", "0 1 2 3 2 1"}) {
+                const std::string corners = Placement{r}.Points({-1, -1, 0, 1, -1, 0, -1, 1, 0, 1, 1, 0});
+                ExpectSame(fmt::format("{}, two triangles {} of {:g}", integrator.name, order, r),
+                           RenderSeeds(LargeLampText(Objects().Triangles(corners, order), integrator), kFloorRuns),
+                           patch, 0.005);
+            }
+    }
+}
+
 /// A lamp in the plane z = 5 + behind, seen from z = 5.
 std::string FlashText(const Objects &lamp, double behind, const ScaleIntegrator &integrator) {
     return ViewText({}, integrator, {0, 0, 5, 0, 0, 0, 0, 1, 0}, 40, 3,

@@ -33,10 +33,11 @@ Mesh::Mesh(ShapeKind kind, size_t cornerCount, MeshData data, const Transform &r
 
 TriangleMesh::TriangleMesh(MeshData data, const Transform &renderFromObject, bool reverseOrientation)
     : Mesh(ShapeKind::TriangleMesh, 3, std::move(data), renderFromObject, reverseOrientation) {
-    for (uint32_t i = 0; i < PrimitiveCount(); ++i) largestSpan_ = std::max(largestSpan_, SpanOf(CornersOf(i)));
+    for (uint32_t i = 0; i < PrimitiveCount(); ++i)
+        largestSpan_ = std::max(largestSpan_, MaxComponent(SpanOf(CornersOf(i))));
 }
 
-Float TriangleMesh::SpanOf(const Corners &c) { return MaxComponent(Abs(c.p1 - c.p0) + Abs(c.p2 - c.p0)); }
+Vector3 TriangleMesh::SpanOf(const Corners &c) { return Abs(c.p1 - c.p0) + Abs(c.p2 - c.p0); }
 
 TriangleMesh::Corners TriangleMesh::CornersOf(uint32_t primitive) const {
     const uint32_t *v = &mesh_.indices[3 * size_t(primitive)];
@@ -105,13 +106,13 @@ PrimitiveHit TriangleMesh::Completed(uint32_t primitive, const PrimitiveHit &hit
     return {hit.t, Float(b1), Float(b2)};
 }
 
-SurfacePoint TriangleMesh::SurfaceOnRay(uint32_t primitive, const PrimitiveHit &hit, const Ray &ray) const {
+SurfacePoint TriangleMesh::SurfaceInInstance(uint32_t primitive, const PrimitiveHit &hit, const Ray &ray,
+                                             const Vector3 &distance) const {
     SurfacePoint s = Surface(primitive, Completed(primitive, hit, ray));
-    const Float large = kLargePrimitive * hit.t * MaxComponent(Abs(ray.d));
-    if (!(largestSpan_ > large)) [[likely]]
+    if (!(largestSpan_ > kLargePrimitive * std::min({distance.x, distance.y, distance.z}))) [[likely]]
         return s;
     const Corners c = CornersOf(primitive);
-    if (!(SpanOf(c) > large)) return s;
+    if (!IsLarge(SpanOf(c), distance)) return s;
     if (const std::optional<PlaneHit> at = PlaneHit::Of(c, ray.o, ray.d)) {
         const double slack = kLargePrimitiveSlack;
         const double b1 = std::clamp(at->b1, -slack, 1 + slack), b2 = std::clamp(at->b2, -slack, 1 + slack - b1);

@@ -16,6 +16,16 @@ constexpr const char *kTwoTriangles = "0 1 2 1 3 2";
 std::string FloorCorners(double r, double x = 1) {
     return Placement{r}.Points({-1, -1 / r, -1, 1, -1 / r, -1, -1, -1 / r, 1, x, -1 / r, 1});
 }
+/// The same as an instance of a floor of half width 1. `height`: scale along y.
+Objects InstancedFloor(double r, double height, bool isTriangles) {
+    const std::string unit = "-1 0 -1 1 0 -1 -1 0 1 1 0 1";
+    return Objects()
+        .Add("ObjectBegin 'floor'")
+        .Add(isTriangles ? Objects().Triangles(unit, kTwoTriangles) : Objects().Quad(unit))
+        .Add("ObjectEnd")
+        .Attribute(fmt::format("Translate 0 -1 0 Scale {0:.9g} {1:.9g} {0:.9g}", r, height),
+                   Objects().Add("ObjectInstance 'floor'"));
+}
 struct Floor {
     const char *name;
     Objects (*objects)(double r);
@@ -25,15 +35,9 @@ const Floor kFloors[] = {
     {"patch", [](double r) { return Objects().Quad(FloorCorners(r)); }},
     {"trapezoid", [](double r) { return Objects().Quad(FloorCorners(r, 1.5)); }},
     {"disk", [](double r) { return Objects().Attribute("Translate 0 -1 0 Rotate -90 1 0 0", Objects().Disk(r)); }},
-    {"instance",
-     [](double r) {
-         return Objects()
-             .Add("ObjectBegin 'floor'")
-             .Triangles("-1 0 -1 1 0 -1 -1 0 1 1 0 1", kTwoTriangles)
-             .Add("ObjectEnd")
-             .Attribute(fmt::format("Translate 0 -1 0 Scale {0:.9g} {0:.9g} {0:.9g}", r),
-                        Objects().Add("ObjectInstance 'floor'"));
-     }},
+    {"instance", [](double r) { return InstancedFloor(r, r, true); }},
+    {"instance stretched along two axes", [](double r) { return InstancedFloor(r, 1, true); }},
+    {"instanced patch stretched along two axes", [](double r) { return InstancedFloor(r, 1, false); }},
 };
 
 std::string FloorText(const Floor &floor, double r, const ScaleIntegrator &integrator) {

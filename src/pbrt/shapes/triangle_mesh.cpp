@@ -13,6 +13,23 @@ Vector3 HitBarycentrics(const PrimitiveHit &hit) { return {std::max(Float(0), 1 
     return RobustUnitCross(p1 - p0, p2 - p0);
 }
 
+/// Transforms normals of any lengths, scaled by one power of two if their squares could leave single precision.
+void PlaceNormals(const Transform &place, std::vector<Normal3> &normals) {
+    const glm::dmat3 inverse(glm::mat3(place.InverseMatrix()));
+    double largest = 0;
+    for (const Normal3 &n : normals) {
+        const glm::dvec3 placed = glm::abs(glm::dvec3(n) * inverse);
+        largest = std::max({largest, placed.x, placed.y, placed.z});
+    }
+    if (largest == 0 || (largest > 0x1p-50 && largest < 0x1p50)) {
+        if (!place.IsIdentity())
+            for (Normal3 &n : normals) n = place.Normal(n);
+        return;
+    }
+    const double scale = std::ldexp(1.0, -std::ilogb(largest));
+    for (Normal3 &n : normals) n = Normal3(glm::dvec3(n) * inverse * scale);
+}
+
 }  // namespace
 
 Mesh::Mesh(ShapeKind kind, size_t cornerCount, MeshData data, const Transform &renderFromObject,
@@ -21,9 +38,9 @@ Mesh::Mesh(ShapeKind kind, size_t cornerCount, MeshData data, const Transform &r
       flipNormal_(reverseOrientation != renderFromObject.SwapsHandedness()) {
     PBRT_CHECK(mesh_.indices.size() % cornerCount == 0);
     for (uint32_t i : mesh_.indices) PBRT_CHECK_MSG(i < mesh_.p.size(), "index {} of {}", i, mesh_.p.size());
+    PlaceNormals(renderFromObject, mesh_.n);
     if (!renderFromObject.IsIdentity()) {
         for (Point3 &p : mesh_.p) p = renderFromObject.Point(p);
-        for (Normal3 &n : mesh_.n) n = renderFromObject.Normal(n);
         for (Vector3 &s : mesh_.s) s = renderFromObject.Vector(s);
     }
     if (reverseOrientation)

@@ -128,6 +128,27 @@ TEST(CameraInThePlaneOfALamp, DoesNotSeeIt) {
                        RenderSeeds(FlashText(lamp, 1e-4, integrator), kFloorRuns), 0.002);
 }
 
+/// A subdivided tetrahedron, given `size` times as large as it is placed: its normals are as long as size^2.
+std::string SubdivisionText(double size) {
+    const std::string corners = Placement{size}.Points({.9, .9, .9, -.9, -.9, .9, -.9, .9, -.9, .9, -.9, -.9});
+    return ViewText({}, {"path"}, {0, 1, 5, 0, 0, 0, 0, 1, 0}, 40, 3,
+                    Objects()
+                        .PointLight("-2 3 3", "9 9 9")
+                        .Diffuse(".5 .5 .5")
+                        .Attribute(fmt::format("Rotate 33 .2 .9 .4 Scale {0:.9g} {0:.9g} {0:.9g}", 1 / size),
+                                   Objects().Shape("loopsubdiv", "'integer levels' 3 'point3 P' [" + corners +
+                                                                     "] 'integer indices' [0 2 1 0 1 3 0 3 2 1 2 3]"))
+                        .Quad("-5 -1 -5 5 -1 -5 -5 -1 5 5 -1 5"));
+}
+
+TEST(Subdivision, IsAlikeFromEverySize) {
+    const std::vector<Image> one = RenderSeeds(SubdivisionText(1), kFloorRuns);
+    EXPECT_GT(MeanOf(one[0]), 0.01);
+    for (const double size : {1e-12, 1e-8, 1e-4, 1e4, 1e7, 1e8, 1e12})
+        ExpectSame(fmt::format("subdivision from {:g}", size), RenderSeeds(SubdivisionText(size), kFloorRuns), one,
+                   0.0005);
+}
+
 /// A ball on a floor: as it is, or as an instance. `size`: of both in the units of their object.
 struct Object {
     std::array<double, 3> at{0, 0, 0};  ///< where the view is

@@ -17,12 +17,13 @@ class UniformLightSampler final : public GroupLightSampler {
     }
 };
 
-/// Selects in proportion to LightCandidate::power; uniformly if no group has power.
+/// Selects in proportion to LightTable::PowerTowardsReceivers; uniformly if no group has power.
 class PowerLightSampler : public GroupLightSampler {
   public:
     explicit PowerLightSampler(const LightGroups &groups) : GroupLightSampler(groups, true) {
         std::vector<Float> power;
-        for (uint32_t g = 0; g < groups.Size(); ++g) power.push_back(groups.Candidate(g).power);
+        for (uint32_t g = 0; g < groups.Size(); ++g)
+            power.push_back(groups.Lights().PowerTowardsReceivers(groups.Candidate(g)));
         if (!power.empty()) table_ = AliasTable(power);
     }
     std::optional<ChosenGroup> ChooseGroup(const LightQuery &query, const void *, Float u) const final {

@@ -128,6 +128,34 @@ TEST(CameraInThePlaneOfALamp, DoesNotSeeIt) {
                        RenderSeeds(FlashText(lamp, 1e-4, integrator), kFloorRuns), 0.002);
 }
 
+/// A room with two lamps under a sun of real size, in metres.
+std::string SunText(const std::string &sun, const ScaleIntegrator &integrator) {
+    return ViewText({}, integrator, {0, 1, 5, 0, 0, 0, 0, 1, 0}, 40, 3,
+                    Objects()
+                        .Add(sun)
+                        .Attribute("Translate 1 .5 1", Objects().AreaLight("900 100 100").Sphere(.05))
+                        .PointLight("-1 1 1", "5 9 30")
+                        .Diffuse(".7 .7 .7")
+                        .Quad("-3 -1 -3  3 -1 -3  -3 -1 3  3 -1 3")
+                        .Quad("-3 -1 -3  3 -1 -3  -3 3 -3  3 3 -3")
+                        .Sphere(.5));
+}
+
+TEST(Suns, LeaveSamplesToLamps) {
+    const std::string disk =
+        Objects().Attribute("Translate 4.53e10 1.209e11 7.556e10", Objects().AreaLight("2e4 2e4 2e4").Sphere(6.96e8));
+    const std::string point =
+        "LightSource 'point' 'point3 from' [4.53e10 1.209e11 7.556e10] 'rgb I' [1e22 1e22 1e22]\n";
+    for (const std::string &sun : {disk, point}) {
+        const std::vector<Image> all =
+            RenderSeeds(SunText(sun, {"path", "'string lightsampler' 'uniform'", 64}), kFloorRuns);
+        for (const ScaleIntegrator &integrator :
+             {ScaleIntegrator{"path", "'string lightsampler' 'power'", 64}, ScaleIntegrator{"bdpt", "", 64}})
+            ExpectSame(integrator.name + " under " + sun.substr(0, 24),
+                       RenderSeeds(SunText(sun, integrator), kFloorRuns), all, 0.02);
+    }
+}
+
 /// A subdivided tetrahedron, given `size` times as large as it is placed: its normals are as long as size^2.
 std::string SubdivisionText(double size) {
     const std::string corners = Placement{size}.Points({.9, .9, .9, -.9, -.9, .9, -.9, .9, -.9, .9, -.9, -.9});

@@ -201,19 +201,20 @@ void ImageContributionLightSampler::Prepare(PrepareContext &context) {
     const double pixels = context.pixelBounds.IsEmpty() ? 0 : double(context.pixelBounds.Area());
     const double paths = std::clamp(double(params_.budget) * context.samplesPerPixel * pixels, kMinPaths, kMaxPaths);
     contributions_ = EstimateImageContributions(context, BVHLightSampler(groups_), paths);
+    auto powerOf = [&](uint32_t g) { return double(groups_.Lights().PowerTowardsReceivers(groups_.Candidate(g))); };
     double found = 0, samples = 0, once = 0, power = 0;
     for (uint32_t g = 0; g < groups_.Size(); ++g) {
         found += contributions_[g].sum;
         samples += contributions_[g].count;
         once += contributions_[g].count == 1;
         groupsSeen_ += contributions_[g].count > 0;
-        power += double(groups_.Candidate(g).power);
+        power += powerOf(g);
     }
     if (!(found > 0) || !(power > 0) || !std::isfinite(power)) return;
     missed_ = once / samples;
     std::vector<double> roots(groups_.Size());
     for (uint32_t g = 0; g < groups_.Size(); ++g) {
-        const double share = double(groups_.Candidate(g).power) / power;
+        const double share = powerOf(g) / power;
         roots[g] = std::sqrt(share * ((1 - missed_) * contributions_[g].sum / found + missed_ * share));
     }
     const double sum = std::accumulate(roots.begin(), roots.end(), 0.0);
@@ -221,7 +222,7 @@ void ImageContributionLightSampler::Prepare(PrepareContext &context) {
     const auto floor = double(params_.floor);
     std::vector<Float> weights(groups_.Size());
     for (uint32_t g = 0; g < groups_.Size(); ++g)
-        weights[g] = Float((1 - floor) * roots[g] / sum + floor * double(groups_.Candidate(g).power) / power);
+        weights[g] = Float((1 - floor) * roots[g] / sum + floor * powerOf(g) / power);
     table_ = AliasTable(weights);
     prepassSeconds_ = SecondsSince(start);
 }

@@ -155,7 +155,8 @@ std::unique_ptr<TextureLibrary> MakeTextures(SceneDescription &d, const BuildOpt
 
 /// Creates media, materials, shapes and lights; not ready for rays yet.
 SceneContents MakeContents(SceneDescription &d, const BuildOptions &options, const Transform &renderFromWorld,
-                           TextureLibrary &textures, LightNames &lightNames, DiagnosticSink &sink, Progress &progress) {
+                           TextureLibrary &textures, LightNames &lightNames, Bounds3 &receivers, DiagnosticSink &sink,
+                           Progress &progress) {
     BuiltMedia media = MakeMedia(d, renderFromWorld, sink);
     if (const std::string &type = IntegratorType(d.integrator, options);
         !media.media.empty() && !TraitsOf(type).rendersMedia) {
@@ -170,6 +171,7 @@ SceneContents MakeContents(SceneDescription &d, const BuildOptions &options, con
     geometry.BuildShapes(progress);
     SceneContents contents = geometry.TakeContents();
     lightNames = geometry.TakeLightNames();
+    receivers = geometry.Receivers();
     for (const LightEntity &l : d.lights)
         Collect(sink, [&] {
             const Transform renderFromLight = renderFromWorld * l.ctm.start;
@@ -189,7 +191,8 @@ SceneContents MakeContents(SceneDescription &d, const BuildOptions &options, con
 }
 
 /// Creates the scene, ready for rays, from valid contents.
-std::unique_ptr<Scene> MakeScene(SceneContents contents, const SceneDescription &d, DiagnosticSink &sink) {
+std::unique_ptr<Scene> MakeScene(SceneContents contents, const Bounds3 &receivers, const SceneDescription &d,
+                                 DiagnosticSink &sink) {
     if (contents.lights->Size() == 0) sink.Warning({}, "the scene has no lights: the image will be black.");
     try {
         contents.accel->Commit();
@@ -199,7 +202,7 @@ std::unique_ptr<Scene> MakeScene(SceneContents contents, const SceneDescription 
     Point3 center(0);
     Float radius = 0;
     contents.accel->Bounds().BoundingSphere(&center, &radius);
-    contents.lights->Finish(center, radius);
+    contents.lights->Finish(center, radius, receivers);
     return std::make_unique<Scene>(std::move(contents));
 }
 
@@ -334,10 +337,11 @@ BuiltScene BuildScene(SceneDescription &d, const BuildOptions &given, const Plug
     if (options.forceDiffuse) d.options.forceDiffuse = true;
     if (options.displacementEdgeScale) d.options.displacementEdgeScale = options.displacementEdgeScale;
     built.textures = MakeTextures(d, options, placement.renderFromWorld, sink);
-    SceneContents contents =
-        MakeContents(d, options, placement.renderFromWorld, *built.textures, built.lightNames, sink, progress);
+    Bounds3 receivers;
+    SceneContents contents = MakeContents(d, options, placement.renderFromWorld, *built.textures, built.lightNames,
+                                          receivers, sink, progress);
     ThrowIfErrors(sink, checked);
-    built.scene = MakeScene(std::move(contents), d, sink);
+    built.scene = MakeScene(std::move(contents), receivers, d, sink);
 
     const bool filters = !options.disableTextureFiltering && !d.options.disableTextureFiltering.value_or(false);
     built.integratorRequest = {d.integrator, d.sampler, options, &registry, filters && built.scene->NeedsFootprints()};

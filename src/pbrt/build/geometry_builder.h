@@ -107,6 +107,8 @@ class GeometryBuilder {
     /// Moves out the contents. The Accel is not committed and the lights are not finished.
     SceneContents TakeContents() { return std::move(contents_); }
     LightNames TakeLightNames() { return std::move(lightNames_); }
+    /// Of the surfaces that do not emit, in rendering space.
+    const Bounds3 &Receivers() const { return receivers_; }
 
   private:
     /// A Shape directive in progress.
@@ -117,6 +119,7 @@ class GeometryBuilder {
         std::optional<Displacement> displacement;
         /// In rendering space, in the space of their object definition, or in their own if they move.
         std::vector<std::unique_ptr<Shape>> shapes;
+        Bounds3 bounds;                                   ///< of the shapes
         std::unique_ptr<const AnimatedTransform> motion;  ///< null: static
         DiagnosticSink sink;
     };
@@ -168,6 +171,8 @@ class GeometryBuilder {
                                        opaque,
                                        renderFromPlaced};
             w.shapes = Shapes().Make(e.type, e.params, context);
+            w.bounds = {};
+            for (const auto &shape : w.shapes) w.bounds = Union(w.bounds, BoundsOf(*shape));
             if (w.motion)
                 for (const auto &shape : w.shapes) RequireReach(e.params.What(), *w.motion, BoundsOf(*shape), e.loc);
         });
@@ -177,8 +182,7 @@ class GeometryBuilder {
         constexpr Float kFar = 64;  ///< relative to the size, from the origin
         std::vector<Bounds3> bounds(spaces_.size());
         for (const Work &w : work_)
-            if (w.object >= 0 && !w.motion)
-                for (const auto &shape : w.shapes) bounds[w.object] = Union(bounds[w.object], BoundsOf(*shape));
+            if (w.object >= 0 && !w.motion) bounds[w.object] = Union(bounds[w.object], w.bounds);
         auto isFar = [](const Bounds3 &b) {
             return !b.IsEmpty() && MaxComponent(Abs(b.low + b.high) / Float(2)) > kFar * MaxComponent(b.high - b.low);
         };
@@ -267,6 +271,7 @@ class GeometryBuilder {
                 contents_.lightMedia.push_back({media_.Find(e.outsideMedium), media_.Find(e.insideMedium)});
             }
         }
+        if (!firstLight && !definition) AddReceiver(w.motion.get(), w.bounds);
         uint32_t emitters = 0;
         const char *primitive = w.shapes.empty() ? "" : kPrimitiveNames[size_t(w.shapes.front()->Kind())];
         if (w.shapes.size() > 1) primitive = "face";
@@ -300,6 +305,14 @@ class GeometryBuilder {
         } else {
             contents_.accel->AddMovingInstance(object, *w.motion);
         }
+    }
+    /// `place`: null: none.
+    void AddReceiver(const AnimatedTransform *place, const Bounds3 &bounds) {
+        if (bounds.IsEmpty()) return;
+        if (!place) receivers_ = Union(receivers_, bounds);
+        else
+            for (const Transform &t : {place->Start(), place->At(place->EndTime())})
+                receivers_ = Union(receivers_, TransformBounds(t, bounds));
     }
     int AddAccelObject(const std::vector<ShapeId> &ids, const Transform &renderFromObject = {}) {
         std::vector<const Shape *> shapes;
@@ -345,6 +358,7 @@ class GeometryBuilder {
                                   Abbreviate(i.name));
                     return;
                 }
+                AddReceiver(&motion, it->second.bounds);
                 if (it->second.still >= 0) {
                     const Transform &space = *it->second.space;
                     if (motion.IsAnimated())
@@ -370,6 +384,7 @@ class GeometryBuilder {
     DiagnosticSink &sink_;
     SceneContents contents_;
     LightNames lightNames_;
+    Bounds3 receivers_;
     std::vector<Work> work_;
     /// By object definition: world from the space of its static shapes, a translation that centres them.
     std::vector<Transform> spaces_;

@@ -35,8 +35,7 @@ Float PhotometricScale(const ParamSet &set, Float scale, const Spectrum &emissio
     if (photometric > 0) return scale / photometric;
     // Black lights are legal; other emission without luminance cannot be photometrically normalized.
     if (!(emission.MaxValue() > 0)) return 0;
-    throw set.Error(name, "\"{}\" emits nothing that the eye can see, so it cannot be scaled to photometric units.",
-                    name);
+    throw NoLuminanceError(set, name, emission);
 }
 
 void RequireSquare(const ParamSet &set, const LightImage &light) {

@@ -33,8 +33,9 @@ constexpr double kMinShare = 1e-30;
 constexpr double kMaxPower = 1e100;
 }  // namespace
 
-void LightTable::Finish(const Point3 &sceneCenter, Float sceneRadius) {
+void LightTable::Finish(const Point3 &sceneCenter, Float sceneRadius, const Bounds3 &receivers) {
     PBRT_CHECK(!byComponent_);
+    receivers_ = receivers;
     for (const Entry &entry : lights_) entry.light->Preprocess(sceneCenter, sceneRadius);
     std::vector<double> power(Size());
     double minPower = kMaxPower, maxPower = 0;
@@ -58,6 +59,26 @@ void LightTable::Finish(const Point3 &sceneCenter, Float sceneRadius) {
             environments_.push_back(id);
     byComponent_ = std::make_unique<LightGroups>(*this, false);
     byLight_ = std::make_unique<LightGroups>(*this, true);
+}
+
+Float LightTable::PowerTowardsReceivers(const LightCandidate &candidate) const {
+    if (!candidate.bounds || receivers_.IsEmpty()) return candidate.power;
+    const LightBounds &light = *candidate.bounds;
+    const double radius = glm::length(glm::dvec3(receivers_.Diagonal())) / 2;
+    const double distance = glm::length(glm::dvec3(light.Centroid()) - glm::dvec3(receivers_.Center())) -
+                            glm::length(glm::dvec3(light.bounds.Diagonal())) / 2;
+    constexpr double kNear = 2;  // radii
+    if (!(radius > 0 && distance > kNear * radius)) return candidate.power;
+    // Fractions of the sphere that the receivers cover, relative to that at the distance kNear, and that is lit.
+    auto fraction = [](double sine) { return sine * sine / (2 * (1 + std::sqrt(1 - sine * sine))); };
+    const double covered = fraction(radius / distance) / fraction(1 / kNear);
+    const double edge = std::acos(std::clamp(double(light.cosTheta_o), -1.0, 1.0)) +
+                        std::acos(std::clamp(double(light.cosTheta_e), -1.0, 1.0));
+    const double lit = edge < std::numbers::pi ? (1 - std::cos(edge)) / 2 * (light.twoSided ? 2 : 1) : 1.0;
+    // Beams aimed at the receivers keep their power.
+    const double share = lit > covered ? covered / std::min(lit, 1.0) : 1.0;
+    return std::max(Float(double(candidate.power) * std::min(share, 1.0)),
+                    candidate.power > 0 ? std::numeric_limits<Float>::min() : Float(0));
 }
 
 LightGroups::LightGroups(const LightTable &lights, bool byLight) : lights_(lights), lightCount_(lights.Size()) {

@@ -95,8 +95,9 @@ class LightTable {
         lights_.push_back({std::move(light), first.value});
         return first;
     }
-    /// Sets every light's scene bounding sphere and builds the groups. Call once, after the last Add.
-    void Finish(const Point3 &sceneCenter, Float sceneRadius);
+    /// Sets every light's scene bounding sphere and builds the groups. Call once, after the last Add. `receivers`:
+    /// bounds of the surfaces that do not emit; empty: unknown.
+    void Finish(const Point3 &sceneCenter, Float sceneRadius, const Bounds3 &receivers = {});
 
     /// Number of components of all lights.
     size_t Size() const { return lightOf_.size(); }
@@ -128,6 +129,9 @@ class LightTable {
         if (c.bounds) c.bounds->phi /= unit_;
         return c;
     }
+    /// Power of a candidate for the start of light paths: less for lights far outside the receivers, whose light hardly
+    /// meets them. Positive if the power is; in its unit.
+    Float PowerTowardsReceivers(const LightCandidate &candidate) const;
     /// Unit of candidate powers (as Light::Phi): the geometric mean of minimum and maximum component power over the
     /// scene radius. So powers, and powers over squared distances, neither overflow nor underflow in single precision.
     /// A power of two: division by it is exact.
@@ -148,6 +152,7 @@ class LightTable {
     std::vector<LightId> infinite_;  ///< first components of infinite lights
     std::vector<LightId> environments_;
     std::unique_ptr<LightGroups> byComponent_, byLight_;
+    Bounds3 receivers_;
 };
 
 }  // namespace pbrt

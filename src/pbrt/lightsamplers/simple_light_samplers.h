@@ -17,7 +17,7 @@ class UniformLightSampler final : public GroupLightSampler {
     }
 };
 
-/// Selects in proportion to LightCandidate::power; uniformly if no group has power.
+/// Selects in proportion to LightTable::PowerTowardsReceivers; uniformly if no group has power.
 class PowerLightSampler : public GroupLightSampler {
   public:
     explicit PowerLightSampler(const LightGroups &groups)
@@ -34,7 +34,8 @@ class PowerLightSampler : public GroupLightSampler {
   protected:
     static AliasTable TableByPower(const LightGroups &groups) {
         std::vector<Float> power;
-        for (uint32_t g = 0; g < groups.Size(); ++g) power.push_back(groups.Candidate(g).power);
+        for (uint32_t g = 0; g < groups.Size(); ++g)
+            power.push_back(groups.Lights().PowerTowardsReceivers(groups.Candidate(g)));
         return power.empty() ? AliasTable() : AliasTable(power);
     }
 

@@ -47,9 +47,7 @@ DenseSpectrum Emission(const ParamSet &set, const MediumContext &context, const 
     const SpectrumPtr emission = given.Make(context.files);
     if (!(emission->MaxValue() > 0)) return ScaledSpectrum(*emission, 0);
     const Float photometric = SpectrumToPhotometric(*emission);
-    if (!(photometric > 0))
-        throw set.Error("Le",
-                        "\"Le\" emits nothing that the eye can see, so it cannot be scaled to photometric units.");
+    if (!(photometric > 0)) throw NoLuminanceError(set, "Le", *emission);
     return Coefficient(set, "Le", *emission, scale / photometric);
 }
 

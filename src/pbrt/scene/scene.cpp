@@ -5,6 +5,7 @@
 #include "pbrt/core/counters.h"
 #include "pbrt/core/error.h"
 #include "pbrt/scene/shading.h"
+#include "pbrt/shapes/triangle_mesh.h"
 
 namespace pbrt {
 namespace {
@@ -169,7 +170,13 @@ SurfacePoint Scene::SurfaceAt(const AccelHit &hit, const Ray &ray) const {
 SurfacePoint Scene::InstancedSurface(const Shape &shape, const AccelHit &hit, const Ray &ray) const {
     const Transform t = contents_.accel->InstanceTransform(hit.instance, ray.time);
     const Ray local{t.InversePoint(ray.o), t.InverseVector(ray.d)};
-    return TransformSurface(t, shape.SurfaceOnRay(hit.primitive, hit.hit, local));
+    const Mesh *const mesh = Mesh::Of(shape);
+    if (!mesh) return TransformSurface(t, shape.SurfaceOnRay(hit.primitive, hit.hit, local));
+    // The rows of the inverse are as long as the half extents of a unit ball in the mesh's space.
+    const glm::mat3 m(t.InverseMatrix());
+    const Vector3 ball = glm::sqrt(m[0] * m[0] + m[1] * m[1] + m[2] * m[2]);
+    const Vector3 distance = hit.hit.t * Min(ball * Length(ray.d), Vector3(MaxComponent(Abs(local.d))));
+    return TransformSurface(t, mesh->SurfaceInInstance(hit.primitive, hit.hit, local, distance));
 }
 
 Ray Scene::ShadowRay(const LightSampleContext &from, const LightLiSample &to) {

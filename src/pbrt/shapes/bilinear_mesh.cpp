@@ -206,11 +206,12 @@ PrimitiveHit BilinearMesh::Completed(uint32_t primitive, const PrimitiveHit &hit
     return {hit.t, Float(std::clamp(at->u, 0.0, 1.0)), Float(std::clamp(at->v, 0.0, 1.0))};
 }
 
-SurfacePoint BilinearMesh::SurfaceOnRay(uint32_t primitive, const PrimitiveHit &hit, const Ray &ray) const {
+SurfacePoint BilinearMesh::SurfaceInInstance(uint32_t primitive, const PrimitiveHit &hit, const Ray &ray,
+                                             const Vector3 &distance) const {
     SurfacePoint s = Surface(primitive, Completed(primitive, hit, ray));
     const Corners c = CornersOf(primitive);
     const Vector3 span = Abs(c.p10 - c.p00) + Abs(c.p01 - c.p00) + Abs(c.p11 - c.p00);
-    if (!(MaxComponent(span) > kLargePrimitive * hit.t * MaxComponent(Abs(ray.d)))) return s;
+    if (!IsLarge(span, distance)) return s;
     if (const auto at = PatchHit::Nearest(c, ray.o, ray.d, 0, double(Infinity), double(hit.t), kLargePrimitiveSlack)) {
         using D = glm::dvec3;
         s.p = Point3(glm::mix(glm::mix(D(c.p00), D(c.p10), at->u), glm::mix(D(c.p01), D(c.p11), at->u), at->v));

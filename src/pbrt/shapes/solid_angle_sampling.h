@@ -8,64 +8,107 @@ namespace pbrt {
 // Uniform solid-angle sampling about the origin; densities are 1 / area. Triangle corners are unit vectors. The
 // rectangle uses double precision, because small ones are differences of nearly equal angles.
 
-class SphericalTriangle {
+/// In double precision where corners may be nearly antipodal.
+template <class T>
+class SphericalTriangleOf {
   public:
-    SphericalTriangle() = default;
-    SphericalTriangle(const Vector3 &a, const Vector3 &b, const Vector3 &c) : a_(a), b_(b), c_(c) {
+    using Vector = glm::vec<3, T>;
+    SphericalTriangleOf() = default;
+    SphericalTriangleOf(const Vector &a, const Vector &b, const Vector &c) : a_(a), b_(b), c_(c) {
         // Corner differences keep precision for small triangles:
         //     cos(bc) - cos(ab) cos(ac) = (b-a).(c-a) - (1 - cos(ab)) (1 - cos(ac)).
-        const Vector3 toB = b - a, toC = c - a;
-        volume_ = std::abs(Dot(a, Cross(toB, toC)));
-        versineAB_ = LengthSquared(toB) / 2;
-        versineAC_ = LengthSquared(toC) / 2;
-        product_ = Dot(toB, toC) - versineAB_ * versineAC_;
+        const Vector toB = b - a, toC = c - a;
+        volume_ = std::abs(glm::dot(a, Product(toB, toC)));
+        versineAB_ = Squared(toB) / 2;
+        versineAC_ = Squared(toC) / 2;
+        coversineAB_ = OneMinus(versineAB_ / 2, a, b) * 2;
+        coversineAC_ = OneMinus(versineAC_ / 2, a, c) * 2;
+        product_ = glm::dot(toB, toC) - versineAB_ * versineAC_;
         // Van Oosterom and Strackee 1983.
-        area_ = 2 * ArcTangent2(volume_, 4 - versineAB_ - versineAC_ - DistanceSquared(b, c) / 2);
+        area_ = 2 * Angle(volume_, 4 - versineAB_ - versineAC_ - Squared(b - c) / 2);
     }
 
-    Float Area() const { return area_; }
+    T Area() const { return area_; }
     /// Weights (A, B, C) of direction A a + B b + C c, uniform in the triangle (Arvo 1995): u.x picks a point on the
     /// arc a-c that cuts off the fraction u.x of the area, u.y moves from b towards it. Area() must be above 0.
-    Vector3 Sample(const Point2 &u) const {
+    Vector Sample(const Point2 &u) const {
         // A triangle with sides p, q around the angle alpha has area E with
         //     tan(q/2) = sin(E/2) / (tan(p/2) sin(alpha - E/2)), which gives the side a-c' that cuts off E = u.x *
         //     area, without cancellation for small E. Here p = ab, volume = sin(ab) sin(ac) sin(alpha), product =
         //     sin(ab) sin(ac) cos(alpha). The square root of sin(ac)^2 cancels in t = tan(q/2) / sin(ac) and in c' =
         //     (sin(ac - q) a + sin(q) c) / sin(ac).
-        const SineCosine halfE = SineCosineOfTurn(u.x * area_ * (Inv2Pi / 2));
-        const Float denominator = volume_ * halfE.cos - product_ * halfE.sin;
-        const Float numerator = halfE.sin * (2 - versineAB_);
-        const Float longest = 2 - versineAC_;  // its inverse is tan(ac/2) / sin(ac)
-        const Float t = numerator * longest < denominator ? numerator / denominator : 1 / longest;
-        const Float tangent2 = t * t * versineAC_ * longest, scale = 1 / (1 + tangent2);
-        const Float cutC = 2 * t * scale, cutA = std::max(Float(0), 1 - tangent2 - 2 * t * (1 - versineAC_)) * scale;
+        T sin, cos;
+        SinCosOfHalf(T(u.x) * area_, &sin, &cos);
+        const T denominator = volume_ * cos - product_ * sin;
+        const T numerator = sin * coversineAB_;
+        const T longest = coversineAC_;  // its inverse is tan(ac/2) / sin(ac)
+        const T t = numerator * longest < denominator ? numerator / denominator : 1 / longest;
+        const T tangent2 = t * t * versineAC_ * longest, scale = 1 / (1 + tangent2);
+        const T cutC = 2 * t * scale, cutA = std::max(T(0), 1 - tangent2 - 2 * t * (1 - versineAC_)) * scale;
 
         // h = 1 - cos of the arc from b; its tangent has length sqrt(k (1 - k/4)) for squared chord k.
-        const Float k = DistanceSquared(cutA * a_ + cutC * c_, b_), h = u.y * k / 2;
-        const Float along = std::sqrt(u.y * (1 - u.y * (k / 4)) / std::max(1 - k / 4, MachineEpsilon));
-        return {along * cutA, std::max(Float(0), 1 - h - along * (1 - k / 2)), along * cutC};
+        const Vector cut = cutA * a_ + cutC * c_;
+        const T v = T(u.y), k = Squared(cut - b_), h = v * k / 2;
+        const T along = std::sqrt(v * (1 - v * (k / 4)) / std::max(OneMinus(k / 4, cut, b_), kLeastCoversine));
+        return {along * cutA, std::max(T(0), 1 - h - along * (1 - k / 2)), along * cutC};
     }
     /// Inverts Sample at unit direction w with these weights, up to a common factor.
-    Point2 Invert(const Vector3 &weights, const Vector3 &w) const {
-        const Vector3 cutDirection = weights.x * a_ + weights.z * c_;
-        const Float length = Length(cutDirection);
+    Point2 Invert(const Vector &weights, const Vector &w) const {
+        const Vector cutDirection = weights.x * a_ + weights.z * c_;
+        const T length = std::sqrt(Squared(cutDirection));
         if (!(length > 0)) return {Float(0.5), 0};  // the direction is b, for every u.x
-        const Vector3 cut = cutDirection / length;
-        const Float across = DistanceSquared(cut, b_);
-        const Float area =
-            2 * ArcTangent2(volume_ * (weights.z / length), 4 - versineAB_ - (DistanceSquared(cut, a_) + across) / 2);
-        const Float y = across > 0 ? DistanceSquared(w, b_) / across : 0;
-        return {std::clamp(area / area_, Float(0), Float(1)), std::clamp(y, Float(0), Float(1))};
+        const Vector cut = cutDirection / length;
+        const T across = Squared(cut - b_);
+        const T area = 2 * Angle(volume_ * (weights.z / length), 4 - versineAB_ - (Squared(cut - a_) + across) / 2);
+        const T y = across > 0 ? Squared(w - b_) / across : 0;
+        return {std::clamp(Float(area / area_), Float(0), Float(1)), std::clamp(Float(y), Float(0), Float(1))};
     }
-    Vector3 Direction(const Vector3 &weights) const { return weights.x * a_ + weights.y * b_ + weights.z * c_; }
+    Vector Direction(const Vector &weights) const { return weights.x * a_ + weights.y * b_ + weights.z * c_; }
+    /// Weights of direction w, up to a common factor.
+    Vector WeightsOf(const Vector &w) const {
+        const T sign = glm::dot(a_, Product(b_, c_)) < 0 ? -1 : 1;
+        auto weight = [&](const Vector &p, const Vector &q) {
+            return std::max(T(0), sign * glm::dot(w, Product(p, q)));
+        };
+        return {weight(b_, c_), weight(c_, a_), weight(a_, b_)};
+    }
 
   private:
-    Vector3 a_, b_, c_;
-    Float volume_;                 ///< absolute triple product of the corners
-    Float versineAB_, versineAC_;  ///< 1 - cos of the sides
-    Float product_;                ///< sin(ab) sin(ac) cos(angle at a)
-    Float area_;
+    static constexpr bool kIsDouble = std::is_same_v<T, double>;
+    static constexpr T kLeastCoversine = kIsDouble ? T(1e-30) : T(MachineEpsilon);
+    static T Squared(const Vector &v) { return glm::dot(v, v); }
+    static Vector Product(const Vector &a, const Vector &b) {
+        if constexpr (kIsDouble) return glm::cross(a, b);
+        else return Cross(a, b);
+    }
+    static T Angle(T y, T x) {
+        if constexpr (kIsDouble) return std::atan2(y, x);
+        else return ArcTangent2(y, x);
+    }
+    static void SinCosOfHalf(T angle, T *sin, T *cos) {
+        if constexpr (kIsDouble) {
+            *sin = std::sin(angle / 2);
+            *cos = std::cos(angle / 2);
+        } else {
+            const SineCosine half = SineCosineOfTurn(angle * (Inv2Pi / 2));
+            *sin = half.sin;
+            *cos = half.cos;
+        }
+    }
+    /// 1 - k / 4 for the squared chord k between unit vectors.
+    static T OneMinus(T quarter, const Vector &p, const Vector &q) {
+        if constexpr (kIsDouble) return Squared(p + q) / 4;
+        else return 1 - quarter;
+    }
+
+    Vector a_, b_, c_;
+    T volume_;                     ///< absolute triple product of the corners
+    T versineAB_, versineAC_;      ///< 1 - cos of the sides
+    T coversineAB_, coversineAC_;  ///< 1 + cos
+    T product_;                    ///< sin(ab) sin(ac) cos(angle at a)
+    T area_;
 };
+using SphericalTriangle = SphericalTriangleOf<Float>;
 
 /// Rectangle corner + s * edgeX + t * edgeY, 0 <= s, t <= 1, as seen from `eye`; edges orthogonal.
 class SphericalRectangle {
@@ -93,11 +136,13 @@ class SphericalRectangle {
 /// With a receiver normal, the density is nearly proportional to the receiver cosine, interpolated between the corners
 /// with a minimum of about 0.01; otherwise it is uniform by solid angle. Triangles small for their distance are sampled
 /// in their plane: area sampling has solid-angle density d^3 / (area * height) at distance d, which is equalised
-/// together with the cosine. Larger ones are sampled on the sphere.
+/// together with the cosine. Larger ones are sampled on the sphere, in double precision if they have nearly antipodal
+/// corners: there most of the solid angle belongs to little of the triangle.
 class TriangleSampling {
   public:
     TriangleSampling(const ShapeSampleContext &from, const Point3 &p0, const Point3 &p1, const Point3 &p2)
-        : to0_(p0 - from.p), to1_(p1 - from.p), to2_(p2 - from.p), edge1_(p1 - p0), edge2_(p2 - p0) {
+        : view_{from.p, p0, p1, p2}, to0_(p0 - from.p), to1_(p1 - from.p), to2_(p2 - from.p), edge1_(p1 - p0),
+          edge2_(p2 - p0) {
         const Float d0 = LengthSquared(to0_), d1 = LengthSquared(to1_), d2 = LengthSquared(to2_);
         const Float nearest = std::min(std::min(d0, d1), d2);
         const Float size = std::max(std::max(LengthSquared(edge1_), LengthSquared(edge2_)), DistanceSquared(p1, p2));
@@ -121,9 +166,13 @@ class TriangleSampling {
     struct Point {
         Vector3 barycentrics;
         Float pdf;  ///< solid angle; 0 or infinite if sampling fails
+        /// From the receiver, where float barycentrics are too coarse for it; else 0.
+        Vector3 offset{0};
     };
     Point Sample(const Point2 &u) const {
         const Point2 square = SampleBilinear(u, weights_);
+        if (inDouble_) [[unlikely]]
+            return SampleInDouble(view_, square, BilinearPdf(square, weights_));
         if (inPlane_) {
             const Float t = std::sqrt(square.y), across = t * square.x;
             const Vector3 b(t - across, 1 - t, across);
@@ -134,6 +183,11 @@ class TriangleSampling {
     }
     /// Density of Sample in direction wi, which must hit the triangle.
     Float Pdf(const Vector3 &wi) const {
+        if (inDouble_) [[unlikely]] {
+            Float area;
+            const Point2 square = InvertInDouble(view_, wi, &area);
+            return BilinearPdf(square, weights_) / area;
+        }
         // Hit with the triangle's plane, possibly outside the triangle by rounding.
         const Vector3 k = Cross(wi, edge2_);
         const Float determinant = Dot(k, edge1_);
@@ -148,6 +202,7 @@ class TriangleSampling {
         return InPlane({t > 0 ? b.z / t : Float(0.5), t * t}, b);
     }
     bool IsInPlane() const { return inPlane_; }
+    bool IsInDouble() const { return inDouble_; }
 
     /// Limit, for sampling in the plane, of the squared longest side relative to the squared distance of the nearest
     /// corner. At the limit a diffuse receiver has a mean relative variance of 0.003, as on the sphere with
@@ -155,8 +210,19 @@ class TriangleSampling {
     static constexpr Float kMaxSizeSquared = 0.2f;
     /// Limits in sr for the sphere: below, rounding dominates the angles; above, the triangle is nearly a hemisphere.
     static constexpr Float kMinSolidAngle = 2e-4f, kMaxSolidAngle = 6.22f;
+    /// Of the squared chord between corners as seen from the receiver; above, double precision is used.
+    static constexpr Float kMaxChordSquared = 3.99f;
 
   private:
+    struct View {
+        Point3 from, p0, p1, p2;
+    };
+    struct InDouble;
+    static double AreaInDouble(View view);
+    static Point SampleInDouble(View view, Point2 square, Float squarePdf);
+    static Point2 InvertInDouble(View view, Vector3 wi, Float *area);
+    static bool IsOnSphere(double area) { return area >= double(kMinSolidAngle) && area <= double(kMaxSolidAngle); }
+
     /// Sets the corner values of a linear density. In the square it depends on sqrt(y), because a row is the fraction y
     /// of the area away from corner 1. The root is replaced by its least-squares line 4/15 + 12/15 y.
     void SetWeights(Float at0, Float at1, Float at2) {
@@ -171,8 +237,14 @@ class TriangleSampling {
     bool TrySphere(const ShapeSampleContext &from) {
         distance_ = {Length(to0_), Length(to1_), Length(to2_)};
         const Vector3 a = to0_ / distance_.x, b = to1_ / distance_.y, c = to2_ / distance_.z;
-        sphere_ = SphericalTriangle(a, b, c);
-        if (!(sphere_.Area() >= kMinSolidAngle && sphere_.Area() <= kMaxSolidAngle)) return false;
+        const Float chord = std::max(std::max(DistanceSquared(a, b), DistanceSquared(a, c)), DistanceSquared(b, c));
+        if (chord > kMaxChordSquared) [[unlikely]] {
+            inDouble_ = IsOnSphere(AreaInDouble(view_));
+            if (!inDouble_) return false;
+        } else {
+            sphere_ = SphericalTriangle(a, b, c);
+            if (!IsOnSphere(double(sphere_.Area()))) return false;
+        }
         if (from.ns == Normal3(0)) SetWeights(1, 1, 1);
         else
             SetWeights(std::max(Float(0.01), AbsDot(from.ns, a)), std::max(Float(0.01), AbsDot(from.ns, b)),
@@ -185,10 +257,11 @@ class TriangleSampling {
         return BilinearPdf(square, weights_) * 2 * d2 * std::sqrt(d2) / volume_;
     }
 
+    View view_;
     Vector3 to0_, to1_, to2_;  ///< corners relative to the receiver
     Vector3 edge1_, edge2_;
     Float weights_[4];  ///< for SampleBilinear over the square whose side y = 0 is corner 1
-    bool inPlane_;
+    bool inPlane_, inDouble_ = false;
     Float volume_;      ///< in the plane: absolute triple product of the corners
     Vector3 distance_;  ///< on the sphere: of the corners
     SphericalTriangle sphere_;

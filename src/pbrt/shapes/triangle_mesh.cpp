@@ -13,6 +13,23 @@ Vector3 HitBarycentrics(const PrimitiveHit &hit) { return {std::max(Float(0), 1 
     return RobustUnitCross(p1 - p0, p2 - p0);
 }
 
+/// Transforms normals of any lengths, scaled by one power of two if their squares could leave single precision.
+void PlaceNormals(const Transform &place, std::vector<Normal3> &normals) {
+    const glm::dmat3 inverse(glm::mat3(place.InverseMatrix()));
+    double largest = 0;
+    for (const Normal3 &n : normals) {
+        const glm::dvec3 placed = glm::abs(glm::dvec3(n) * inverse);
+        largest = std::max({largest, placed.x, placed.y, placed.z});
+    }
+    if (largest == 0 || (largest > 0x1p-50 && largest < 0x1p50)) {
+        if (!place.IsIdentity())
+            for (Normal3 &n : normals) n = place.Normal(n);
+        return;
+    }
+    const double scale = std::ldexp(1.0, -std::ilogb(largest));
+    for (Normal3 &n : normals) n = Normal3(glm::dvec3(n) * inverse * scale);
+}
+
 }  // namespace
 
 Mesh::Mesh(ShapeKind kind, size_t cornerCount, MeshData data, const Transform &renderFromObject,
@@ -21,9 +38,9 @@ Mesh::Mesh(ShapeKind kind, size_t cornerCount, MeshData data, const Transform &r
       flipNormal_(reverseOrientation != renderFromObject.SwapsHandedness()) {
     PBRT_CHECK(mesh_.indices.size() % cornerCount == 0);
     for (uint32_t i : mesh_.indices) PBRT_CHECK_MSG(i < mesh_.p.size(), "index {} of {}", i, mesh_.p.size());
+    PlaceNormals(renderFromObject, mesh_.n);
     if (!renderFromObject.IsIdentity()) {
         for (Point3 &p : mesh_.p) p = renderFromObject.Point(p);
-        for (Normal3 &n : mesh_.n) n = renderFromObject.Normal(n);
         for (Vector3 &s : mesh_.s) s = renderFromObject.Vector(s);
     }
     if (reverseOrientation)
@@ -33,10 +50,11 @@ Mesh::Mesh(ShapeKind kind, size_t cornerCount, MeshData data, const Transform &r
 
 TriangleMesh::TriangleMesh(MeshData data, const Transform &renderFromObject, bool reverseOrientation)
     : Mesh(ShapeKind::TriangleMesh, 3, std::move(data), renderFromObject, reverseOrientation) {
-    for (uint32_t i = 0; i < PrimitiveCount(); ++i) largestSpan_ = std::max(largestSpan_, SpanOf(CornersOf(i)));
+    for (uint32_t i = 0; i < PrimitiveCount(); ++i)
+        largestSpan_ = std::max(largestSpan_, MaxComponent(SpanOf(CornersOf(i))));
 }
 
-Float TriangleMesh::SpanOf(const Corners &c) { return MaxComponent(Abs(c.p1 - c.p0) + Abs(c.p2 - c.p0)); }
+Vector3 TriangleMesh::SpanOf(const Corners &c) { return Abs(c.p1 - c.p0) + Abs(c.p2 - c.p0); }
 
 TriangleMesh::Corners TriangleMesh::CornersOf(uint32_t primitive) const {
     const uint32_t *v = &mesh_.indices[3 * size_t(primitive)];
@@ -105,13 +123,13 @@ PrimitiveHit TriangleMesh::Completed(uint32_t primitive, const PrimitiveHit &hit
     return {hit.t, Float(b1), Float(b2)};
 }
 
-SurfacePoint TriangleMesh::SurfaceOnRay(uint32_t primitive, const PrimitiveHit &hit, const Ray &ray) const {
+SurfacePoint TriangleMesh::SurfaceInInstance(uint32_t primitive, const PrimitiveHit &hit, const Ray &ray,
+                                             const Vector3 &distance) const {
     SurfacePoint s = Surface(primitive, Completed(primitive, hit, ray));
-    const Float large = kLargePrimitive * hit.t * MaxComponent(Abs(ray.d));
-    if (!(largestSpan_ > large)) [[likely]]
+    if (!(largestSpan_ > kLargePrimitive * std::min({distance.x, distance.y, distance.z}))) [[likely]]
         return s;
     const Corners c = CornersOf(primitive);
-    if (!(SpanOf(c) > large)) return s;
+    if (!IsLarge(SpanOf(c), distance)) return s;
     if (const std::optional<PlaneHit> at = PlaneHit::Of(c, ray.o, ray.d)) {
         const double slack = kLargePrimitiveSlack;
         const double b1 = std::clamp(at->b1, -slack, 1 + slack), b2 = std::clamp(at->b2, -slack, 1 + slack - b1);
@@ -216,6 +234,8 @@ std::optional<ShapeSample> TriangleMesh::Sample(uint32_t primitive, const ShapeS
     const TriangleSampling::Point at = TriangleSampling(from, c.p0, c.p1, c.p2).Sample(u);
     if (!(at.pdf > 0 && std::isfinite(at.pdf))) return {};
     ShapeSample s = SampleAt(primitive, c, at.barycentrics);
+    if (at.offset != Vector3(0)) [[unlikely]]
+        s.p = from.p + at.offset;
     s.pdf = at.pdf;
     return s;
 }

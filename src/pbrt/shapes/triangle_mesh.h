@@ -42,6 +42,9 @@ namespace pbrt {
 
 /// Ratio of a primitive's span to the hit distance from which float parameters are too coarse for the hit's position.
 constexpr Float kLargePrimitive = 256;
+inline bool IsLarge(const Vector3 &span, const Vector3 &distance) {
+    return glm::any(glm::greaterThan(span, kLargePrimitive * distance));
+}
 /// Parametric tolerance beyond a primitive's edges for rounding in Embree's tests and in the ray.
 constexpr double kLargePrimitiveSlack = 0x1p-20;
 
@@ -60,6 +63,15 @@ class Mesh : public Shape {
     uint32_t PrimitiveCount() const final { return uint32_t(mesh_.indices.size() / cornerCount_); }
     /// In rendering space, with normals flipped if `reverseOrientation`. Padded: Embree reads 16 bytes per vertex.
     const MeshData &Data() const { return mesh_; }
+    /// The mesh that a shape is; null for other shapes.
+    static const Mesh *Of(const Shape &shape) {
+        const bool isMesh = shape.Kind() == ShapeKind::TriangleMesh || shape.Kind() == ShapeKind::BilinearMesh;
+        return isMesh ? static_cast<const Mesh *>(&shape) : nullptr;
+    }
+    /// SurfaceOnRay in an instance, whose scale may differ by axis. `distance`: half extents, in the mesh's space, of
+    /// the ball around the ray's origin that reaches the hit.
+    virtual SurfacePoint SurfaceInInstance(uint32_t primitive, const PrimitiveHit &hit, const Ray &ray,
+                                           const Vector3 &distance) const = 0;
 
   protected:
     static bool IsAtCorner(const PrimitiveHit &hit) { return hit.u == hit.v && (hit.u == 0 || hit.u == 1); }
@@ -81,7 +93,11 @@ class TriangleMesh final : public Mesh {
     std::optional<PrimitiveHit> Intersect(uint32_t primitive, const Ray &ray, Float tMin) const override;
     PrimitiveHit Completed(uint32_t primitive, const PrimitiveHit &hit, const Ray &ray) const override;
     SurfacePoint Surface(uint32_t primitive, const PrimitiveHit &hit) const override;
-    SurfacePoint SurfaceOnRay(uint32_t primitive, const PrimitiveHit &hit, const Ray &ray) const override;
+    SurfacePoint SurfaceOnRay(uint32_t primitive, const PrimitiveHit &hit, const Ray &ray) const override {
+        return SurfaceInInstance(primitive, hit, ray, Vector3(hit.t * MaxComponent(Abs(ray.d))));
+    }
+    SurfacePoint SurfaceInInstance(uint32_t primitive, const PrimitiveHit &hit, const Ray &ray,
+                                   const Vector3 &distance) const override;
     Point2 Uv(uint32_t primitive, const PrimitiveHit &hit) const override;
     std::optional<ShapeSample> SampleArea(uint32_t primitive, const Point2 &u) const override;
     Float PdfArea(uint32_t primitive, const Point3 &, const Normal3 &) const override {
@@ -99,14 +115,14 @@ class TriangleMesh final : public Mesh {
     };
     struct PlaneHit;
     Corners CornersOf(uint32_t primitive) const;
-    /// Upper bound of the largest axis-aligned extent; at most twice too large.
-    static Float SpanOf(const Corners &corners);
+    /// Upper bound of the extents along the axes; at most twice too large.
+    static Vector3 SpanOf(const Corners &corners);
     /// Unit normal on the side of samples and hits at barycentric coordinates b.
     Normal3 OrientedNormal(uint32_t primitive, const Corners &c, const Vector3 &b) const;
     Point2 UvAt(uint32_t primitive, const Vector3 &b) const;
     ShapeSample SampleAt(uint32_t primitive, const Corners &c, const Vector3 &b) const;
 
-    Float largestSpan_ = 0;  ///< SpanOf the largest triangle
+    Float largestSpan_ = 0;  ///< largest component of SpanOf of all triangles
 };
 
 }  // namespace pbrt

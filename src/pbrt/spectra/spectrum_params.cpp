@@ -132,4 +132,15 @@ void DocumentParam(ParamDoc &doc, const SpectrumParam &value) {
     if (value.named) doc.defaultValue = value.named;
 }
 
+UserError NoLuminanceError(const ParamSet &set, const char *parameter, const Spectrum &emission) {
+    // Spectra are read at whole nanometres.
+    constexpr int kStepsPerNm = 100;
+    bool isBetween = false;
+    for (int i = int(LambdaMin) * kStepsPerNm; i < int(LambdaMax) * kStepsPerNm && !isBetween; ++i)
+        isBetween = emission(Float(double(i) / kStepsPerNm)) > 0;
+    return set.Error(parameter,
+                     "\"{}\" emits nothing that the eye can see, so it cannot be scaled to photometric units{}.",
+                     parameter, isBetween ? " (lines narrower than 1 nm between whole nanometres are not seen)" : "");
+}
+
 }  // namespace pbrt

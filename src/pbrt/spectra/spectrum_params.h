@@ -26,4 +26,7 @@ struct SpectrumParam {
 void ReadParam(ParamReader &reader, const std::string &name, SpectrumParam &value);
 void DocumentParam(ParamDoc &doc, const SpectrumParam &value);
 
+/// Error of `parameter`, an emission without luminance that is to be in photometric units.
+UserError NoLuminanceError(const ParamSet &set, const char *parameter, const Spectrum &emission);
+
 }  // namespace pbrt

@@ -16,6 +16,16 @@ constexpr const char *kTwoTriangles = "0 1 2 1 3 2";
 std::string FloorCorners(double r, double x = 1) {
     return Placement{r}.Points({-1, -1 / r, -1, 1, -1 / r, -1, -1, -1 / r, 1, x, -1 / r, 1});
 }
+/// The same as an instance of a floor of half width 1. `height`: scale along y.
+Objects InstancedFloor(double r, double height, bool isTriangles) {
+    const std::string unit = "-1 0 -1 1 0 -1 -1 0 1 1 0 1";
+    return Objects()
+        .Add("ObjectBegin 'floor'")
+        .Add(isTriangles ? Objects().Triangles(unit, kTwoTriangles) : Objects().Quad(unit))
+        .Add("ObjectEnd")
+        .Attribute(fmt::format("Translate 0 -1 0 Scale {0:.9g} {1:.9g} {0:.9g}", r, height),
+                   Objects().Add("ObjectInstance 'floor'"));
+}
 struct Floor {
     const char *name;
     Objects (*objects)(double r);
@@ -25,15 +35,9 @@ const Floor kFloors[] = {
     {"patch", [](double r) { return Objects().Quad(FloorCorners(r)); }},
     {"trapezoid", [](double r) { return Objects().Quad(FloorCorners(r, 1.5)); }},
     {"disk", [](double r) { return Objects().Attribute("Translate 0 -1 0 Rotate -90 1 0 0", Objects().Disk(r)); }},
-    {"instance",
-     [](double r) {
-         return Objects()
-             .Add("ObjectBegin 'floor'")
-             .Triangles("-1 0 -1 1 0 -1 -1 0 1 1 0 1", kTwoTriangles)
-             .Add("ObjectEnd")
-             .Attribute(fmt::format("Translate 0 -1 0 Scale {0:.9g} {0:.9g} {0:.9g}", r),
-                        Objects().Add("ObjectInstance 'floor'"));
-     }},
+    {"instance", [](double r) { return InstancedFloor(r, r, true); }},
+    {"instance stretched along two axes", [](double r) { return InstancedFloor(r, 1, true); }},
+    {"instanced patch stretched along two axes", [](double r) { return InstancedFloor(r, 1, false); }},
 };
 
 std::string FloorText(const Floor &floor, double r, const ScaleIntegrator &integrator) {
@@ -78,6 +82,32 @@ TEST(Floors, MayBeAPlanet) {
     ExpectSame("planet", RenderSeeds(FloorText(planet, 6371000, {"path"}), kFloorRuns), flat, 0.0005);
 }
 
+/// A floor under a lamp that nearly fills its sky.
+std::string LargeLampText(const Objects &lamp, const ScaleIntegrator &integrator) {
+    return ViewText({}, integrator, {0, 1, 2, 0, 0, 0, 0, 1, 0}, 30, 1,
+                    Objects()
+                        .Attribute("Translate 0 2 0 Rotate 90 1 0 0", Objects().AreaLight("1 1 1").Add(lamp))
+                        .Diffuse(".5 .5 .5")
+                        .Quad("-5 0 -5 5 0 -5 -5 0 5 5 0 5"));
+}
+
+/// The diagonal is overhead: as seen from the floor its ends are nearly antipodal.
+TEST(LargeLamps, OfTwoTrianglesAreAlike) {
+    for (const ScaleIntegrator &integrator : {ScaleIntegrator{"path"}, ScaleIntegrator{"bdpt"},
+                                              ScaleIntegrator{"simplepath", "'bool samplelights' true"}}) {
+        const std::string small = Placement{1e3}.Points({-1, -1, 0, 1, -1, 0, -1, 1, 0, 1, 1, 0});
+        const std::vector<Image> patch = RenderSeeds(LargeLampText(Objects().Quad(small), integrator), kFloorRuns);
+        EXPECT_NEAR(MeanOf(patch[0]), 0.5, 0.02);
+        for (const double r : {1e3, 1e5, 1e6})
+            for (const char *order : {"0 1 2 1 3 2", "1 2 0 3 2 1", "0 1 2 3 2 1"}) {
+                const std::string corners = Placement{r}.Points({-1, -1, 0, 1, -1, 0, -1, 1, 0, 1, 1, 0});
+                ExpectSame(fmt::format("{}, two triangles {} of {:g}", integrator.name, order, r),
+                           RenderSeeds(LargeLampText(Objects().Triangles(corners, order), integrator), kFloorRuns),
+                           patch, 0.005);
+            }
+    }
+}
+
 /// A lamp in the plane z = 5 + behind, seen from z = 5.
 std::string FlashText(const Objects &lamp, double behind, const ScaleIntegrator &integrator) {
     return ViewText({}, integrator, {0, 0, 5, 0, 0, 0, 0, 1, 0}, 40, 3,
@@ -96,6 +126,55 @@ TEST(CameraInThePlaneOfALight, ReceivesNoLightFromIt) {
             ExpectSame(integrator.name + ", " + std::string(lamp).substr(7, 14),
                        RenderSeeds(FlashText(lamp, 0, integrator), kFloorRuns),
                        RenderSeeds(FlashText(lamp, 1e-4, integrator), kFloorRuns), 0.002);
+}
+
+/// A room with two lamps under a sun of real size, in metres.
+std::string SunText(const std::string &sun, const ScaleIntegrator &integrator) {
+    return ViewText({}, integrator, {0, 1, 5, 0, 0, 0, 0, 1, 0}, 40, 3,
+                    Objects()
+                        .Add(sun)
+                        .Attribute("Translate 1 .5 1", Objects().AreaLight("900 100 100").Sphere(.05))
+                        .PointLight("-1 1 1", "5 9 30")
+                        .Diffuse(".7 .7 .7")
+                        .Quad("-3 -1 -3  3 -1 -3  -3 -1 3  3 -1 3")
+                        .Quad("-3 -1 -3  3 -1 -3  -3 3 -3  3 3 -3")
+                        .Sphere(.5));
+}
+
+TEST(Suns, LeaveSamplesToLamps) {
+    const std::string disk =
+        Objects().Attribute("Translate 4.53e10 1.209e11 7.556e10", Objects().AreaLight("2e4 2e4 2e4").Sphere(6.96e8));
+    const std::string point =
+        "LightSource 'point' 'point3 from' [4.53e10 1.209e11 7.556e10] 'rgb I' [1e22 1e22 1e22]\n";
+    for (const std::string &sun : {disk, point}) {
+        const std::vector<Image> all =
+            RenderSeeds(SunText(sun, {"path", "'string lightsampler' 'uniform'", 64}), kFloorRuns);
+        for (const ScaleIntegrator &integrator :
+             {ScaleIntegrator{"path", "'string lightsampler' 'power'", 64}, ScaleIntegrator{"bdpt", "", 64}})
+            ExpectSame(integrator.name + " under " + sun.substr(0, 24),
+                       RenderSeeds(SunText(sun, integrator), kFloorRuns), all, 0.02);
+    }
+}
+
+/// A subdivided tetrahedron, given `size` times as large as it is placed: its normals are as long as size^2.
+std::string SubdivisionText(double size) {
+    const std::string corners = Placement{size}.Points({.9, .9, .9, -.9, -.9, .9, -.9, .9, -.9, .9, -.9, -.9});
+    return ViewText({}, {"path"}, {0, 1, 5, 0, 0, 0, 0, 1, 0}, 40, 3,
+                    Objects()
+                        .PointLight("-2 3 3", "9 9 9")
+                        .Diffuse(".5 .5 .5")
+                        .Attribute(fmt::format("Rotate 33 .2 .9 .4 Scale {0:.9g} {0:.9g} {0:.9g}", 1 / size),
+                                   Objects().Shape("loopsubdiv", "'integer levels' 3 'point3 P' [" + corners +
+                                                                     "] 'integer indices' [0 2 1 0 1 3 0 3 2 1 2 3]"))
+                        .Quad("-5 -1 -5 5 -1 -5 -5 -1 5 5 -1 5"));
+}
+
+TEST(Subdivision, IsAlikeFromEverySize) {
+    const std::vector<Image> one = RenderSeeds(SubdivisionText(1), kFloorRuns);
+    EXPECT_GT(MeanOf(one[0]), 0.01);
+    for (const double size : {1e-12, 1e-8, 1e-4, 1e4, 1e7, 1e8, 1e12})
+        ExpectSame(fmt::format("subdivision from {:g}", size), RenderSeeds(SubdivisionText(size), kFloorRuns), one,
+                   0.0005);
 }
 
 /// A ball on a floor: as it is, or as an instance. `size`: of both in the units of their object.

@@ -15,6 +15,13 @@ TEST(LightFactory, UnknownLightListsTheValidOnes) {
     ExpectErrorAt([&] { MakeAreaMaker(Params(), sink, "difuse"); }, 100, {"did you mean \"diffuse\""});
 }
 
+TEST(LightFactory, EmissionMustBeVisible) {
+    ExpectComplaint("point", Params().Floats(ParamType::Spectrum, "I", {830, 0, 840, 1}), 1, "photometric units.");
+    ExpectComplaint("point", Params().Floats(ParamType::Spectrum, "I", {588.2f, 0, 588.4f, 1, 588.6f, 0}), 1,
+                    "lines narrower than 1 nm");
+    EXPECT_TRUE(Make("point", Params().Floats(ParamType::Spectrum, "I", {588.8f, 0, 589, 1, 589.2f, 0})));
+}
+
 TEST(LightFactory, PortalsAreChecked) {
     auto corners = [](std::vector<Float> v) {
         return Params().Rgb("L", 1, 1, 1).Floats(ParamType::Point3, "portal", std::move(v));

@@ -59,6 +59,39 @@ TEST(LightTable, PowerIsTheRootMeanSquareOfPhiOverTheVisibleRange) {
     EXPECT_FALSE(table.Candidate(LightId(2u)).bounds) << "no power, no bounds";
 }
 
+TEST(LightTable, PowerTowardsReceiversIsThatOfNearLightsAndOfWhatMeetsThem) {
+    const Bounds3 receivers({-1, -1, -1}, {1, 1, 1});
+    const Float near = 2 * std::sqrt(Float(3));
+    LightTable table;
+    auto add = [&](const char *type, Float x, Float scale) {
+        return table.Add(Make(type, Params().Floats(ParamType::Point3, "from", {x, 0, 0}).Number("scale", scale)));
+    };
+    const LightId lamp = add("point", 1, 1), border = add("point", 0.999f * near, 1),
+                  beyond = add("point", 1.001f * near, 1), far = add("point", 10 * near, 1),
+                  spot = add("spot", 3 * near, 1), sun = add("point", 1e11f, 1e22f);
+    table.Finish({0, 0, 0}, 2, receivers);
+    auto share = [&](LightId id) {
+        const LightCandidate c = table.Candidate(id);
+        return double(table.PowerTowardsReceivers(c)) / double(c.power);
+    };
+    EXPECT_EQ(share(lamp), 1);
+    EXPECT_EQ(share(border), 1);
+    EXPECT_LT(share(beyond), 1);
+    EXPECT_NEAR(share(beyond), 1, 0.01);
+    EXPECT_NEAR(share(far), 0.009336, 1e-5);
+    EXPECT_GT(share(spot), 0.6) << "its cone is narrow";
+    // The sun and a lamp of the same irradiance have similar weights.
+    const double ratio = double(table.PowerTowardsReceivers(table.Candidate(sun))) /
+                         double(table.PowerTowardsReceivers(table.Candidate(lamp)));
+    EXPECT_GT(ratio, 1);
+    EXPECT_LT(ratio, 100);
+    LightTable unknown;
+    unknown.Add(Make("point", Params().Floats(ParamType::Point3, "from", {1e6f, 0, 0})));
+    unknown.Finish({0, 0, 0}, 2);
+    const LightCandidate c = unknown.Candidate(LightId(0u));
+    EXPECT_EQ(unknown.PowerTowardsReceivers(c), c.power);
+}
+
 /// A line of 2 nm.
 ParamSet Line(Float nm, Float scale) {
     return Params().Floats(ParamType::Spectrum, "I", {nm - 1, 0, nm, 1, nm + 1, 0}).Number("scale", scale);

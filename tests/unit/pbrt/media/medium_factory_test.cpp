@@ -29,7 +29,9 @@ TEST(MediumFactory, CoefficientsAreChecked) {
     ExpectComplaint("homogeneous", Params().Number("scale", -2), 1, "\"scale\" is -2");
     ExpectComplaint("homogeneous", Params().Rgb("sigma_a", 1e29f, 1e29f, 1e29f).Number("scale", 100), 1,
                     "at most 1e+30");
-    ExpectComplaint("homogeneous", Params().Floats(ParamType::Spectrum, "Le", {830, 0, 840, 1}), 1, "eye can see");
+    ExpectComplaint("homogeneous", Params().Floats(ParamType::Spectrum, "Le", {830, 0, 840, 1}), 1, "units.");
+    ExpectComplaint("homogeneous", Params().Floats(ParamType::Spectrum, "Le", {588.2f, 0, 588.4f, 1, 588.6f, 0}), 1,
+                    "narrower than 1 nm");
 }
 
 TEST(MediumFactory, PresetsComeBeforeCoefficients) {

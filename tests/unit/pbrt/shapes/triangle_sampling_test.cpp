@@ -149,6 +149,56 @@ TEST(FlatLights, VarianceAtTheLimitIsSmall) {
         }
 }
 
+/// Integral of the cosine to unit vector n over a triangle above the horizon (Lambert).
+double Irradiance(const glm::dvec3 &n, const glm::dvec3 (&to)[3]) {
+    double sum = 0;
+    for (int i = 0; i < 3; ++i) {
+        const glm::dvec3 a = glm::normalize(to[i]), b = glm::normalize(to[(i + 1) % 3]), axis = glm::cross(a, b);
+        sum += std::atan2(glm::length(axis), glm::dot(a, b)) * glm::dot(glm::normalize(axis), n) / 2;
+    }
+    return std::abs(sum);
+}
+
+/// Half of a square of half width r at height 2, in any order of its corners, seen from below the diagonal.
+TEST(FlatLights, MayHaveNearlyAntipodalCorners) {
+    constexpr int kOrders[6][3] = {{0, 1, 2}, {0, 2, 1}, {1, 0, 2}, {1, 2, 0}, {2, 0, 1}, {2, 1, 0}};
+    constexpr int kSide = 40;
+    const Normal3 up(0, 1, 0);
+    Rng rng(11);
+    for (const Float r : {20.f, 60.f, 1e3f, 1e4f, 1e5f, 1e6f, 1e7f})
+        for (const int(&order)[3] : kOrders)
+            for (const Normal3 &ns : {Normal3(0), up, Normalize(Vector3(.5f, 1, .7f)), Normal3(1, 0, 0)}) {
+                const Point3 corners[3] = {{-r, 2, -r}, {r, 2, -r}, {-r, 2, r}};
+                const Point3 p[3] = {corners[order[0]], corners[order[1]], corners[order[2]]};
+                ShapeSampleContext from;
+                from.p = {.25f, 0, -.375f};
+                from.n = from.ns = ns;
+                const TriangleSampling sampling(from, p[0], p[1], p[2]);
+                ASSERT_FALSE(sampling.IsInPlane());
+                EXPECT_EQ(sampling.IsInDouble(), r > 50) << r;
+                RunningStatistics irradiance, solidAngle;
+                for (int i = 0; i < kSide * kSide; ++i) {
+                    const Point2 u = (Point2(i % kSide, i / kSide) + rng.Uniform2()) / Float(kSide);
+                    const TriangleSampling::Point at = sampling.Sample(u);
+                    const Point3 b = at.barycentrics.x * p[0] + at.barycentrics.y * p[1] + at.barycentrics.z * p[2];
+                    const Vector3 wi = Normalize(sampling.IsInDouble() ? at.offset : b - from.p);
+                    ASSERT_NEAR(sampling.Pdf(wi) / at.pdf, 1, 1e-2) << r << " " << u.x << " " << u.y;
+                    EXPECT_LT(Distance(b, from.p + at.offset), sampling.IsInDouble() ? 1e-6f * r : Infinity);
+                    irradiance.Add(double(wi.y) / double(at.pdf));
+                    solidAngle.Add(1 / double(at.pdf));
+                }
+                glm::dvec3 to[3];
+                for (int i = 0; i < 3; ++i) to[i] = glm::dvec3(p[i]) - glm::dvec3(from.p);
+                const double exact = Irradiance(up, to);
+                EXPECT_NEAR(irradiance.mean, exact, 4 * irradiance.StandardError() + 1e-4 * exact) << r;
+                EXPECT_NEAR(irradiance.mean, exact, 0.02 * exact) << r;
+                const glm::dvec3 a = glm::normalize(to[0]), d = glm::normalize(to[1]), c = glm::normalize(to[2]);
+                const double area = 2 * std::atan2(std::abs(glm::dot(a, glm::cross(d, c))),
+                                                   1 + glm::dot(a, d) + glm::dot(a, c) + glm::dot(d, c));
+                EXPECT_NEAR(solidAngle.mean, area, 4 * solidAngle.StandardError() + 1e-4 * area) << r;
+            }
+}
+
 TEST(FlatLights, CornersAndPlanesYieldNothingButNoNumbersThatAreNone) {
     const Point3 p[3] = {{0, 0, 0}, {1, 0, 0}, {0, 1, 0}};
     for (const Point3 &from : {p[0], p[1], Point3(3, 2, 0), Point3(0.2f, 0.2f, 0)}) {

@@ -185,6 +185,7 @@ SceneContents MakeContents(SceneDescription &d, const BuildOptions &options, con
             contents.lightMedia.push_back({medium, medium});
             lightNames.Add(1, fmt::format("LightSource \"{}\"", l.type), l.loc);
         });
+    contents.worldOrigin = renderFromWorld.Point(Point3(0));
     contents.cameraMedium = media.Find(d.camera.medium);
     contents.media = std::move(media.media);
     return contents;

@@ -101,6 +101,7 @@ Scene::Scene(SceneContents contents) : contents_(std::move(contents)), bounds_(c
         needsFootprints_ |= m->NeedsFootprint();
     }
     hasMedia_ = bool(contents_.cameraMedium);
+    if (!bounds_.IsEmpty()) maxRounding_ = Gamma(64) * MaxComponent(Max(Abs(bounds_.low), Abs(bounds_.high)));
     for (const ShapeRecord &s : contents_.shapes) hasMedia_ |= s.insideMedium || s.outsideMedium;
 }
 
@@ -123,6 +124,27 @@ bool Scene::Intersect(const Ray &ray, SurfacePoint *point) const {
     static_assert(std::is_trivially_destructible_v<SurfacePoint>);
     if (hit) new (point) SurfacePoint(SurfaceAt(*hit, ray));
     return hit.has_value();
+}
+
+bool Scene::IntersectFromCamera(const Ray &ray, SurfacePoint *point) const {
+    for (Float tMin = 0;;) {
+        ++ThreadCounters().closestHitRays;
+        const std::optional<AccelHit> hit = contents_.accel->Intersect(ray, tMin);
+        if (!hit) return false;
+        new (point) SurfacePoint(SurfaceAt(*hit, ray));
+        if (AbsDot(point->n, point->p - ray.o) > maxRounding_ || !StartsInPlane(*hit, ray)) [[likely]]
+            return true;
+        tMin = hit->hit.t;
+    }
+}
+
+bool Scene::StartsInPlane(const AccelHit &hit, const Ray &ray) const {
+    const Shape &shape = *contents_.shapes[hit.shape.value].shape;
+    // Transforms of the scene and of the camera were rounded in world space.
+    const Vector3 error = Gamma(2) * (Abs(ray.o) + Vector3(Distance(ray.o, contents_.worldOrigin)));
+    if (hit.instance < 0) return shape.IsInPlane(hit.primitive, ray.o, error);
+    const Transform t = contents_.accel->InstanceTransform(hit.instance, ray.time).Inverse();
+    return shape.IsInPlane(hit.primitive, t.Point(ray.o), t.PointError(ray.o, error));
 }
 
 std::optional<Scene::Crossing> Scene::SampleCrossing(const Point3 &from, const Point3 &to, Float time,

@@ -32,6 +32,7 @@ struct SceneContents {
         MediumId outside{}, inside{};
     };
     std::vector<LightMedia> lightMedia{};
+    Point3 worldOrigin{};  ///< in rendering space
 };
 
 /// Immutable scene: ray queries, lights, materials by id.
@@ -42,6 +43,9 @@ class Scene {
     /// Nearest surface along the ray, complete except for the filter footprint.
     std::optional<SurfacePoint> Intersect(const Ray &ray) const;
     bool Intersect(const Ray &ray, SurfacePoint *point) const;
+    /// As Intersect for rays from the camera. A plane through the camera is edge-on: not seen, although rounding may
+    /// move it in front of the ray's origin.
+    bool IntersectFromCamera(const Ray &ray, SurfacePoint *point) const;
     /// A uniformly chosen crossing of a segment with surfaces that have a material.
     struct Crossing {
         SurfacePoint point;
@@ -93,9 +97,12 @@ class Scene {
 
   private:
     SurfacePoint SurfaceAt(const AccelHit &hit, const Ray &ray) const;
+    /// True if the hit is on a flat primitive whose plane, but for rounding, passes through the ray's origin.
+    bool StartsInPlane(const AccelHit &hit, const Ray &ray) const;
     SurfacePoint InstancedSurface(const Shape &shape, const AccelHit &hit, const Ray &ray) const;
     SceneContents contents_;
     Bounds3 bounds_;
+    Float maxRounding_ = 0;  ///< no plane is moved farther by StartsInPlane's rounding
     bool hasSubsurface_ = false, needsFootprints_ = false, hasMedia_ = false;
 };
 

@@ -50,6 +50,9 @@ class Quadric : public Shape {
     /// Outward normal at an object-space surface point, any length.
     virtual Normal3 NormalAt(const Point3 &p) const = 0;
 
+    /// IsInPlane of the object-space plane z = height.
+    bool IsAtHeight(double height, const Point3 &p, const Vector3 &pError) const;
+
     const Transform &RenderFromObject() const { return renderFromObject_; }
     bool IsSimilarity() const { return isSimilarity_; }
     Float Scale() const { return scale_; }  ///< only if IsSimilarity()
@@ -107,6 +110,9 @@ class Disk final : public Quadric {
         SetArea(phiMax_ / 2 * (radius_ * radius_ - innerRadius_ * innerRadius_));
     }
     DirectionCone NormalBounds(uint32_t) const override { return {RenderNormal({0, 0, 1}), 1}; }
+    bool IsInPlane(uint32_t, const Point3 &p, const Vector3 &pError) const override {
+        return IsAtHeight(double(height_), p, pError);
+    }
 
   protected:
     Bounds3 ObjectBounds() const override {

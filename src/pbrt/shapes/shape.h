@@ -106,6 +106,8 @@ class Shape {
     virtual SurfacePoint Surface(uint32_t, const PrimitiveHit &) const { return {}; }
     /// Surface for a ray hit in the shape's space, also accurate where float hit parameters are too coarse.
     virtual SurfacePoint SurfaceOnRay(uint32_t primitive, const PrimitiveHit &hit, const Ray &ray) const = 0;
+    /// True if the primitive is flat and, but for rounding, its plane passes through a point known up to `pError`.
+    virtual bool IsInPlane(uint32_t, const Point3 & /*p*/, const Vector3 & /*pError*/) const { return false; }
     /// True for curves, which face the ray.
     bool FacesRay() const { return kind_ == ShapeKind::Curves; }
     virtual Point2 Uv(uint32_t, const PrimitiveHit &hit) const { return {hit.u, hit.v}; }
@@ -134,6 +136,10 @@ class Shape {
 
   protected:
     explicit Shape(ShapeKind kind) : kind_(kind) {}
+    /// True if a point, known up to `pError`, is in a plane of normal n, but for rounding of the primitive's placement.
+    /// `height`: the point's distance from the plane times |n|. `reach`: largest coordinates of the primitive. pError
+    /// counts to a limit relative to `reach`: far from the world's origin it would hide surfaces near the camera.
+    static bool IsRounding(double height, const glm::dvec3 &n, const Vector3 &reach, const Vector3 &pError);
 
   private:
     /// Converts a density by area to solid angle at `from`; wi is the unit direction to the point. 0 if edge-on.

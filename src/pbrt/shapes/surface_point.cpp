@@ -50,4 +50,10 @@ Bounds3 PlacedBounds(const Transform &t, const Bounds3 &b) {
     return placed;
 }
 
+bool Shape::IsRounding(double height, const glm::dvec3 &n, const Vector3 &reach, const Vector3 &pError) {
+    const Vector3 limit(Gamma(32) * MaxComponent(reach));
+    const glm::dvec3 error(Gamma(1) * reach + Min(pError, limit));
+    return std::abs(height) <= glm::dot(glm::abs(n), error);
+}
+
 }  // namespace pbrt

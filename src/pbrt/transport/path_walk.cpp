@@ -1,14 +1,17 @@
 #include "pbrt/transport/path_walk.h"
 
 #include <type_traits>
+#include <utility>
 
 #include "pbrt/bxdfs/bsdf.h"
 
 namespace pbrt {
 
 PathWalk::Met PathWalk::Next() {
-    if (context_.scene.Intersect(ray_, &vertex_.point))
-        return passed_ > MaxPassed ? Met::TooManyInterfaces : Met::Surface;
+    const Scene &scene = context_.scene;
+    const bool meets = std::exchange(fromCamera_, false) ? scene.IntersectFromCamera(ray_, &vertex_.point)
+                                                         : scene.Intersect(ray_, &vertex_.point);
+    if (meets) return passed_ > MaxPassed ? Met::TooManyInterfaces : Met::Surface;
     left_ = true;
     return Met::Nothing;
 }

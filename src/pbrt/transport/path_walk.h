@@ -39,7 +39,7 @@ class PathWalk {
 
     /// `visible`, if not null, receives the first scattering surface.
     PathWalk(const PathContext &context, const CameraRay &start, std::optional<VisibleSurface> *visible = nullptr)
-        : context_(context), ray_(start.ray), differential_(start.differential), visible_(visible),
+        : context_(context), ray_(start.ray), differential_(start.differential), fromCamera_(true), visible_(visible),
           startsWithDifferential_(start.differential.valid) {
         ray_.medium = context.scene.CameraMedium();
     }
@@ -110,7 +110,8 @@ class PathWalk {
     RayDifferential differential_;
     PathVertex vertex_;
     int passed_ = 0;
-    bool left_ = false;  ///< the ray left the scene
+    bool left_ = false;        ///< the ray left the scene
+    bool fromCamera_ = false;  ///< the ray starts at the camera
     std::optional<VisibleSurface> *visible_;
     const bool startsWithDifferential_;
 };

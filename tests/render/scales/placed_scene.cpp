@@ -1,5 +1,7 @@
 #include "placed_scene.h"
 
+#include <gtest/gtest.h>
+
 #include <cmath>
 
 #include "pbrt/math/statistics.h"
@@ -115,6 +117,13 @@ ScaleDifference CompareRuns(const std::vector<Image> &ours, const std::vector<Im
 std::string ScaleDifference::Text() const {
     return fmt::format("mean {:+.3f} +- {:.3f} %, worst tile {:+.2f} %, p {:.2g}", 100 * mean, 100 * meanError,
                        100 * worstTile, worstP);
+}
+
+void ExpectSame(const std::string &name, const std::vector<Image> &ours, const std::vector<Image> &reference,
+                double allowed) {
+    const ScaleDifference d = CompareRuns(ours, reference, allowed);
+    std::printf("%s: %s\n", name.c_str(), d.Text().c_str());
+    EXPECT_TRUE(d.Agrees()) << name << ": " << d.Text();
 }
 
 }  // namespace pbrt::test

@@ -35,7 +35,9 @@ struct ScaleIntegrator {
 /// All that render direct and indirect light of area, point and infinite lights. `radius`: of sppm's photon search.
 std::vector<ScaleIntegrator> AllIntegrators(const Placement &at);
 
-constexpr int kScaleResolution = 16;
+constexpr int kScaleResolution = 16, kScaleRuns = 5;
+/// Of the corners of a quad.
+constexpr const char *kTwoTriangles = "0 1 2 1 3 2";
 /// A view of kScaleResolution^2 pixels.
 std::string ViewText(const Placement &at, const ScaleIntegrator &integrator, std::initializer_list<double> fromToUp,
                      double fov, int maxDepth, const std::string &world);
@@ -54,6 +56,9 @@ struct ScaleDifference {
 };
 /// `allowed`: relative to the reference's mean, for the image; tiles may differ by four times as much.
 ScaleDifference CompareRuns(const std::vector<Image> &ours, const std::vector<Image> &reference, double allowed);
+/// Prints the difference and expects it to be noise, or allowed.
+void ExpectSame(const std::string &name, const std::vector<Image> &ours, const std::vector<Image> &reference,
+                double allowed);
 
 /// Mean of R, G and B over an image.
 double MeanOf(const Image &image);

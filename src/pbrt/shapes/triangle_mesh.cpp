@@ -157,7 +157,8 @@ SurfacePoint TriangleMesh::SurfaceInInstance(uint32_t primitive, const Primitive
         const glm::dvec3 p0(c.p0);
         s.p = Point3(p0 + b1 * (glm::dvec3(c.p1) - p0) + b2 * (glm::dvec3(c.p2) - p0));
         s.pError = Gamma(2) * Abs(s.p);
-        s.pError += isTracedInDouble_ ? DoubleTestError(SpanOf(c)) : PlaneTestError(c.p0, c.p1, c.p2, s.p) * Abs(s.n);
+        s.pError += isTracedInDouble_ ? DoubleTestError(MaxComponent(SpanOf(c)))
+                                      : PlaneTestError(c.p0, c.p1, c.p2, s.p) * Abs(s.n);
     }
     return s;
 }

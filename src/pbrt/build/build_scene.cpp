@@ -235,12 +235,6 @@ Placement PlaceCamera(const SceneDescription &d, const BuildOptions &options, Di
     return placement;
 }
 
-FilmOverrides FilmOverridesOf(const BuildOptions &options) {
-    FilmOverrides overrides = options.film;
-    if (options.quick) overrides.resolutionDivisor = 4;
-    return overrides;
-}
-
 RenderView MakeView(SceneDescription &d, const BuildOptions &options, const Placement &placement, int seed,
                     DiagnosticSink &sink) {
     RenderView view;
@@ -274,29 +268,6 @@ void BuiltScene::SetSamples(int samples) {
     sampler = Samplers().Make(request.sampler.type, request.sampler.params, context);
     samplesPerPixel = sampler->SamplesPerPixel();
     integrator = MakeIntegrator(*this, request.entity, request.options).integrator;
-}
-
-RenderSettings BuiltScene::Settings() const {
-    RenderSettings settings;
-    settings.samplesPerPixel = samplesPerPixel;
-    settings.disablePixelJitter = disablePixelJitter;
-    settings.disableWavelengthJitter = disableWavelengthJitter;
-    settings.mseReferenceImage = mseReferenceImage;
-    settings.mseReferenceOut = mseReferenceOut;
-    return settings;
-}
-
-PrepareContext BuiltScene::Preparation(Progress &progress, Team &team) const {
-    return {.scene = *scene,
-            .camera = *camera,
-            .filter = *filter,
-            .sampler = *sampler,
-            .pixelBounds = film->PixelBounds(),
-            .seed = seed,
-            .samplesPerPixel = samplesPerPixel,
-            .maxDepth = maxDepth,
-            .progress = progress,
-            .team = team};
 }
 
 BuiltScene BuildScene(SceneDescription &d, const BuildOptions &given, const PluginRegistry &registry,

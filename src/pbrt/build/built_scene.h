@@ -44,9 +44,8 @@ struct BuildOptions {
     const char *lightSamplerFlag = "--lightsampler";  ///< flag that set lightSampler, for messages
     std::optional<Float> displacementEdgeScale;       ///< --displacement-edge-scale; empty: the scene's or 1
     std::string renderCoordSys;                       ///< camera, cameraworld, world; empty: the scene's or cameraworld
-    bool disableTextureFiltering = false;
-    bool forceDiffuse = false;  ///< --force-diffuse
-    int textureCacheMb = 0;     ///< --texture-cache-mb; 0: all images in memory
+    bool disableTextureFiltering = false, forceDiffuse = false;
+    int textureCacheMb = 0;  ///< --texture-cache-mb; 0: all images in memory
     bool disablePixelJitter = false, disableWavelengthJitter = false;
     std::string mseReferenceImage, mseReferenceOut;  ///< empty: the scene's Option, if any
     std::vector<NamedFile> inputs, outputs;          ///< further files that no output may replace, or that are written
@@ -70,7 +69,11 @@ struct RenderView {
     std::unique_ptr<Film> half;  ///< RenderContext::half
 };
 
-FilmOverrides FilmOverridesOf(const BuildOptions &options);
+inline FilmOverrides FilmOverridesOf(const BuildOptions &options) {
+    FilmOverrides overrides = options.film;
+    if (options.quick) overrides.resolutionDivisor = 4;
+    return overrides;
+}
 
 /// Cheap, so errors are reported before geometry is read. `seed`: used unless the scene's sampler has one.
 RenderView MakeView(SceneDescription &description, const BuildOptions &options, const Placement &placement, int seed,
@@ -115,14 +118,27 @@ struct MemoryEstimate {
         largestAt = at;
     }
     /// "2.1 GB: meshes 1.9 GB (20 million triangles), 3 images 180 MB, film 59 MB".
-    std::string Text() const;
+    std::string Text() const {
+        std::string text = fmt::format("{}: ", BytesText(Total()));
+        if (meshes > 0)
+            text += fmt::format("meshes {} ({:.{}f} million triangles), ", BytesText(meshes), triangles / 1e6,
+                                triangles < 1e7 ? 1 : 0);
+        if (images > 0)
+            text += fmt::format("{} image{} {}, ", imageCount, imageCount == 1 ? "" : "s", BytesText(images));
+        return text + fmt::format("film {}", BytesText(film));
+    }
 };
 
 /// `imagesInMemory` false: images are in the tile cache and excluded.
 MemoryEstimate EstimateMemory(const SceneDescription &description, double filmBytes, bool imagesInMemory);
 
 /// Throws UserError, at the largest directive, if the estimate exceeds this process's memory.
-void RequireMemory(const MemoryEstimate &estimate);
+inline void RequireMemory(const MemoryEstimate &estimate) {
+    const double usable = UsableMemory();
+    if (estimate.Total() > usable)
+        throw UserError(estimate.largestAt, "the scene needs at least {}; this process can use {} of memory.",
+                        estimate.Text(), BytesText(usable));
+}
 
 /// Everything a render needs, from one description. The sampler is for the first batch of samplesPerPixel samples.
 /// Members are destroyed in reverse order.
@@ -140,11 +156,30 @@ struct BuiltScene : RenderView, BuiltIntegrator {
     std::vector<std::string> leftOut;  ///< features left out by --ignore-media or --ignore-unsupported, with locations
     Transform cameraFromWorld;         ///< at shutter open; for image metadata
 
-    RenderSettings Settings() const;
+    RenderSettings Settings() const {
+        RenderSettings settings;
+        settings.samplesPerPixel = samplesPerPixel;
+        settings.disablePixelJitter = disablePixelJitter;
+        settings.disableWavelengthJitter = disableWavelengthJitter;
+        settings.mseReferenceImage = mseReferenceImage;
+        settings.mseReferenceOut = mseReferenceOut;
+        return settings;
+    }
     /// Recreates sampler and integrator for this number of samples per pixel, as --spp.
     void SetSamples(int samples);
     /// Context for Integrator::Prepare. The caller may change seed and samples.
-    PrepareContext Preparation(Progress &progress, Team &team = Team::Alone()) const;
+    PrepareContext Preparation(Progress &progress, Team &team = Team::Alone()) const {
+        return {.scene = *scene,
+                .camera = *camera,
+                .filter = *filter,
+                .sampler = *sampler,
+                .pixelBounds = film->PixelBounds(),
+                .seed = seed,
+                .samplesPerPixel = samplesPerPixel,
+                .maxDepth = maxDepth,
+                .progress = progress,
+                .team = team};
+    }
     RenderContext Rendering(Progress &progress, Team &team = Team::Alone()) const {
         return {*integrator, *camera, *filter, *film, *sampler, progress, team, half.get()};
     }

@@ -10,12 +10,6 @@
 
 namespace pbrt {
 
-std::optional<LightSelection> ReadLights(const ParamSet &set, const IntegratorReading &r,
-                                         const LightSelectionParams &defaults) {
-    const LightFlags flags{r.options.lightSampler, r.options.meshLights, r.options.lightSamplerFlag};
-    return ReadLightSelection(set, flags, r.registry, r.sink, defaults);
-}
-
 namespace {
 
 struct PathParams : DepthParams {
@@ -187,14 +181,6 @@ const IntegratorTable &Integrators() {
             });
     });
     return table;
-}
-
-const std::string &IntegratorType(const Entity &entity, const BuildOptions &options) {
-    return options.integrator.empty() ? entity.type : options.integrator;
-}
-
-IntegratorTraits TraitsOf(const std::string &integrator) {
-    return Integrators().Has(integrator) ? Integrators().Find(integrator).traits : IntegratorTraits();
 }
 
 IntegratorSettings ReadIntegrator(const Entity &entity, const BuildOptions &options, const PluginRegistry &registry,

@@ -55,9 +55,13 @@ IntegratorSettings ReadIntegrator(const Entity &entity, const BuildOptions &opti
 BuiltIntegrator MakeIntegrator(const BuiltScene &built, const IntegratorSettings &settings, DiagnosticSink &sink);
 
 /// Integrator type: the scene's, or that of --integrator.
-const std::string &IntegratorType(const Entity &entity, const BuildOptions &options);
+inline const std::string &IntegratorType(const Entity &entity, const BuildOptions &options) {
+    return options.integrator.empty() ? entity.type : options.integrator;
+}
 /// Traits of that integrator; defaults if the name is unknown.
-IntegratorTraits TraitsOf(const std::string &integrator);
+inline IntegratorTraits TraitsOf(const std::string &integrator) {
+    return Integrators().Has(integrator) ? Integrators().Find(integrator).traits : IntegratorTraits();
+}
 
 struct AcceleratorContext {
     DiagnosticSink &sink;
@@ -65,8 +69,6 @@ struct AcceleratorContext {
 /// The accelerator is always Embree; the parameters of stock's accelerators are validated only.
 using AcceleratorTable = FactoryTable<std::monostate, const AcceleratorContext>;
 const AcceleratorTable &Accelerators();
-
-// For the makers of integrators.
 
 /// Adds "adaptive" to the parameters of a pixel integrator.
 template <class P>
@@ -91,8 +93,11 @@ struct DepthParams {
 };
 
 /// Parses an integrator's light sampler; empty on errors, which are in the sink.
-std::optional<LightSelection> ReadLights(const ParamSet &set, const IntegratorReading &r,
-                                         const LightSelectionParams &defaults = {});
+inline std::optional<LightSelection> ReadLights(const ParamSet &set, const IntegratorReading &r,
+                                                const LightSelectionParams &defaults = {}) {
+    const LightFlags flags{r.options.lightSampler, r.options.meshLights, r.options.lightSamplerFlag};
+    return ReadLightSelection(set, flags, r.registry, r.sink, defaults);
+}
 
 /// lightpath, bdpt, mlt, sppm.
 void AddLightPathIntegrators(IntegratorTable &table);

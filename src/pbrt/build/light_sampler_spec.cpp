@@ -21,7 +21,6 @@ class FlagText {
     std::shared_ptr<const SourceFile> source_;
 };
 
-/// Parts of a FlagText.
 struct Pieces {
     std::string_view sampler;
     bool mesh = false;

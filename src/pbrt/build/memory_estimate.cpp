@@ -112,15 +112,6 @@ void AddImages(const SceneDescription &d, MemoryEstimate *estimate) {
 
 }  // namespace
 
-std::string MemoryEstimate::Text() const {
-    std::string text = fmt::format("{}: ", BytesText(Total()));
-    if (meshes > 0)
-        text += fmt::format("meshes {} ({:.{}f} million triangles), ", BytesText(meshes), triangles / 1e6,
-                            triangles < 1e7 ? 1 : 0);
-    if (images > 0) text += fmt::format("{} image{} {}, ", imageCount, imageCount == 1 ? "" : "s", BytesText(images));
-    return text + fmt::format("film {}", BytesText(film));
-}
-
 MemoryEstimate EstimateMemory(const SceneDescription &d, double filmBytes, bool imagesInMemory) {
     MemoryEstimate estimate;
     estimate.film = filmBytes;
@@ -139,13 +130,6 @@ MemoryEstimate EstimateMemory(const SceneDescription &d, double filmBytes, bool 
         if (used.count(o.name)) addShapes(o.shapes);
     if (imagesInMemory) AddImages(d, &estimate);
     return estimate;
-}
-
-void RequireMemory(const MemoryEstimate &estimate) {
-    const double usable = UsableMemory();
-    if (estimate.Total() > usable)
-        throw UserError(estimate.largestAt, "the scene needs at least {}; this process can use {} of memory.",
-                        estimate.Text(), BytesText(usable));
 }
 
 }  // namespace pbrt

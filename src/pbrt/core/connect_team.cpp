@@ -12,8 +12,7 @@ std::optional<int> NumberInEnvironment(const char *name) {
     if (!text || !*text) return {};
     char *end = nullptr;
     const long value = std::strtol(text, &end, 10);
-    if (*end != 0 || value < 0 || value > 1 << 24) return {};
-    return int(value);
+    return *end != 0 || value < 0 || value > 1 << 24 ? std::nullopt : std::optional(int(value));
 }
 
 }  // namespace

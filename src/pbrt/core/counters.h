@@ -5,11 +5,7 @@ namespace pbrt {
 
 /// Per-thread statistics. SumCounters adds the copies of all threads.
 struct RenderCounters {
-    uint64_t closestHitRays = 0;
-    uint64_t shadowRays = 0;
-    uint64_t shadowRaysBlocked = 0;
-    uint64_t pathVertices = 0;
-    uint64_t cameraPaths = 0;
+    uint64_t closestHitRays = 0, shadowRays = 0, shadowRaysBlocked = 0, pathVertices = 0, cameraPaths = 0;
     uint64_t mediumLookups = 0;  ///< evaluations of a medium's coefficients
 
     void operator+=(const RenderCounters &o) {
@@ -22,7 +18,6 @@ struct RenderCounters {
     }
 };
 
-/// Counters of the calling thread.
 RenderCounters &ThreadCounters();
 /// Sum over all threads since the last reset. This and ResetCounters must not run concurrently with parallel work.
 RenderCounters SumCounters();

@@ -138,21 +138,6 @@ void DiagnosticSink::Warning(const FileLoc &loc, std::string message) {
         diagnostics_.push_back({Severity::Warning, {}, "there are more warnings, which are not shown."});
 }
 
-void DiagnosticSink::Add(const std::vector<Diagnostic> &diagnostics, size_t omitted) {
-    for (const Diagnostic &d : diagnostics)
-        d.severity == Severity::Error ? Error(d.loc, d.message) : Warning(d.loc, d.message);
-    errorCount_ += omitted;
-}
-
-void DiagnosticSink::ThrowIfErrors() const {
-    if (!HasErrors()) return;
-    std::vector<Diagnostic> errors;
-    std::copy_if(diagnostics_.begin(), diagnostics_.end(), std::back_inserter(errors),
-                 [](const Diagnostic &d) { return d.severity == Severity::Error; });
-    const size_t omitted = errorCount_ - errors.size();
-    throw UserError(std::move(errors), omitted);
-}
-
 std::string NearestChoice(std::string_view given, const std::vector<std::string> &choices) {
     constexpr size_t kMaxCompared = 100;  // bytes; longer names get no suggestion
     std::string nearest;

@@ -20,8 +20,7 @@ struct SourceFile {
 /// Location in a scene file. Lines count from 1, columns from 0 (as in stock pbrt-v4).
 struct FileLoc {
     std::shared_ptr<const SourceFile> file;
-    int line = 0;
-    int column = 0;
+    int line = 0, column = 0;
     explicit operator bool() const { return file != nullptr && line > 0; }
 };
 
@@ -97,10 +96,21 @@ class DiagnosticSink {
     size_t Omitted() const { return IsFull() ? errorCount_ - kMaxDiagnostics : 0; }
     const std::vector<Diagnostic> &All() const { return diagnostics_; }
     /// Throws one UserError with all collected errors, if any. Warnings stay in the sink.
-    void ThrowIfErrors() const;
+    void ThrowIfErrors() const {
+        if (!HasErrors()) return;
+        std::vector<Diagnostic> errors;
+        for (const Diagnostic &d : diagnostics_)
+            if (d.severity == Severity::Error) errors.push_back(d);
+        const size_t omitted = errorCount_ - errors.size();
+        throw UserError(std::move(errors), omitted);
+    }
 
   private:
-    void Add(const std::vector<Diagnostic> &diagnostics, size_t omitted);
+    void Add(const std::vector<Diagnostic> &diagnostics, size_t omitted) {
+        for (const Diagnostic &d : diagnostics)
+            d.severity == Severity::Error ? Error(d.loc, d.message) : Warning(d.loc, d.message);
+        errorCount_ += omitted;
+    }
     std::vector<Diagnostic> diagnostics_;
     size_t errorCount_ = 0, warningCount_ = 0;
 };

@@ -2,12 +2,6 @@
 
 namespace pbrt {
 
-void ThrowUnknown(const std::string &what, const std::string &given, const std::vector<std::string> &names,
-                  const FileLoc &loc) {
-    throw UserError(loc, "{} \"{}\" is unknown; {}{}.", what, Abbreviate(given), OldNameHint(what, given),
-                    ListChoices(given, names));
-}
-
 namespace {
 
 /// Parameter type in words ("integer") or, if `isShort`, in letters ("i").

@@ -26,8 +26,11 @@ struct FamilyDoc {
 };
 
 /// Throws the error for an unknown name: `Camera "x" is unknown; ...`.
-[[noreturn]] void ThrowUnknown(const std::string &what, const std::string &given, const std::vector<std::string> &names,
-                               const FileLoc &loc);
+[[noreturn]] inline void ThrowUnknown(const std::string &what, const std::string &given,
+                                      const std::vector<std::string> &names, const FileLoc &loc) {
+    throw UserError(loc, "{} \"{}\" is unknown; {}{}.", what, Abbreviate(given), OldNameHint(what, given),
+                    ListChoices(given, names));
+}
 
 /// Entities of one family by name, each with summary, declared parameters and a maker. The maker receives the parameter
 /// struct, the ParamSet it was read from (for error locations), and the build context. Tables are filled by explicit

@@ -17,34 +17,6 @@
 
 namespace pbrt {
 
-std::string FileResolver::Resolve(const std::string &name) const {
-    std::filesystem::path path(name);
-    if (path.is_absolute() || directory_.empty()) return name;
-    std::filesystem::path beside = directory_ / path;
-    return FileExists(beside.string()) ? beside.string() : name;
-}
-
-bool FileExists(const std::string &path) {
-    std::error_code none;
-    return std::filesystem::exists(path, none);
-}
-
-bool IsSameFile(const std::string &a, const std::string &b) {
-    namespace fs = std::filesystem;
-    std::error_code none;
-    if (FileExists(a) || FileExists(b)) return fs::is_regular_file(a, none) && fs::equivalent(a, b, none);
-    const auto target = [&](const std::string &name) { return fs::weakly_canonical(fs::absolute(name, none), none); };
-    return !target(a).empty() && target(a) == target(b);
-}
-
-std::string Lower(std::string text) {
-    for (char &c : text)
-        if (c >= 'A' && c <= 'Z') c = char(c - 'A' + 'a');
-    return text;
-}
-
-std::string LowerExtension(const std::string &path) { return Lower(std::filesystem::path(path).extension().string()); }
-
 namespace {
 
 // Opens a file for reading; throws UserError for kinds that may be endless. *size: bytes of a regular file, or 0.
@@ -111,8 +83,7 @@ std::string ReadFileContents(const std::string &path, ReadFrom from, double (*av
         content.resize(old + got);
         if (got == 0) break;
     }
-    int closed = gzclose(file.release());
-    if (closed == Z_BUF_ERROR) throw UserError("{}: the compressed data ends too early.", path);
+    if (gzclose(file.release()) == Z_BUF_ERROR) throw UserError("{}: the compressed data ends too early.", path);
     return content;
 }
 

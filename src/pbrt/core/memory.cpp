@@ -74,24 +74,6 @@ void LimitMemory(double bytes) {
     isLimited = setrlimit(RLIMIT_DATA, &limit) == 0;
 }
 
-std::string BytesText(double bytes) {
-    const char *unit = "MB";
-    double value = bytes / 1e6;
-    for (const char *larger : {"GB", "TB", "PB"}) {
-        if (value < 999.5) break;
-        value /= 1000;
-        unit = larger;
-    }
-    return value < 9.95 ? fmt::format("{:.1f} {}", value, unit) : fmt::format("{:.0f} {}", value, unit);
-}
-
-void RequireMemory(double bytes, const std::string &what, const FileLoc &loc) {
-    const double usable = UsableMemory();
-    if (bytes > usable)
-        throw UserError(loc, "{} needs about {} of memory, but this process can use {}.", what, BytesText(bytes),
-                        BytesText(usable));
-}
-
 std::string OutOfMemoryText(const std::string &phase) {
     return fmt::format("there is not enough memory{}{}: this process can use {}{}.", phase.empty() ? "" : " for ",
                        phase, BytesText(UsableMemory()), isLimited ? "; a larger --memory-limit allows more" : "");

@@ -12,11 +12,25 @@ double UsableMemory();
 double AvailableMemory();
 
 /// "240 MB", "23 GB": two digits.
-std::string BytesText(double bytes);
+inline std::string BytesText(double bytes) {
+    const char *unit = "MB";
+    double value = bytes / 1e6;
+    for (const char *larger : {"GB", "TB", "PB"}) {
+        if (value < 999.5) break;
+        value /= 1000;
+        unit = larger;
+    }
+    return value < 9.95 ? fmt::format("{:.1f} {}", value, unit) : fmt::format("{:.0f} {}", value, unit);
+}
 
 /// Throws UserError "`what` needs about 240 GB of memory, but this process can use 23 GB." if `bytes` exceed
 /// UsableMemory(). To be called before allocations of user-controlled size.
-void RequireMemory(double bytes, const std::string &what, const FileLoc &loc);
+inline void RequireMemory(double bytes, const std::string &what, const FileLoc &loc) {
+    const double usable = UsableMemory();
+    if (bytes > usable)
+        throw UserError(loc, "{} needs about {} of memory, but this process can use {}.", what, BytesText(bytes),
+                        BytesText(usable));
+}
 
 /// Message for a std::bad_alloc during `phase` ("" if unknown).
 std::string OutOfMemoryText(const std::string &phase);

@@ -1,6 +1,7 @@
 #pragma once
 #include <algorithm>
 #include <cstring>
+#include <set>
 #include <string>
 #include <vector>
 
@@ -30,7 +31,28 @@ class ParamReader {
     /// Reports undeclared parameters, or those declared with another type, to the sink. Throws one UserError with all
     /// invalid values.
     void Finish(DiagnosticSink &sink) const {
-        ReportUnused(sink);
+        for (const Param &p : set_.Own()) {
+            auto isNamed = [&](const Declared &d) { return d.name == p.name; };
+            auto isThis = [&](const Declared &d) { return d.type == p.type && d.name == p.name; };
+            if (std::any_of(declared_.begin(), declared_.end(), isThis)) continue;
+            if (sink.IsFull()) {
+                sink.Error(p.loc, "unused parameter.");
+                continue;
+            }
+            const std::string what = fmt::format("\"{} {}\": unused parameter", Name(p.type), Abbreviate(p.name));
+            if (std::any_of(declared_.begin(), declared_.end(), isNamed)) {
+                std::string types;
+                for (const Declared &d : declared_)
+                    if (isNamed(d))
+                        types += fmt::format("{}\"{} {}\"", types.empty() ? "" : " or ", Name(d.type), d.name);
+                sink.Error(p.loc, "{}: {} takes {}.", what, set_.What(), types);
+                continue;
+            }
+            std::set<std::string> names;
+            for (const Declared &d : declared_) names.insert(d.name);
+            sink.Error(p.loc, "{} of {}; {}{}.", what, set_.What(), OldNameHint("parameter", p.name),
+                       ListChoices(p.name, {names.begin(), names.end()}));
+        }
         ThrowIfErrors();
     }
     void ThrowIfErrors() const { errors_.ThrowIfErrors(); }
@@ -47,7 +69,6 @@ class ParamReader {
         std::string name;
         ParamType type;
     };
-    void ReportUnused(DiagnosticSink &sink) const;
 
     const ParamSet &set_;
     std::string prefix_;
@@ -64,16 +85,30 @@ const auto &ValuesOf(const Param &p) {
     else return p.floats;
 }
 /// Throws UserError unless `found == wanted`.
-void RequireCount(const ParamSet &set, const Param &p, size_t found, size_t wanted);
+inline void RequireCount(const ParamSet &set, const Param &p, size_t found, size_t wanted) {
+    if (found == wanted) return;
+    throw UserError(p.loc, "{}: \"{} {}\" takes {}, found {}.", set.What(), Name(p.type), p.name,
+                    CountText(wanted, "value"), found);
+}
 /// Throws UserError unless the numbers form whole items.
-void RequireItems(const ParamSet &set, const Param &p);
+inline void RequireItems(const ParamSet &set, const Param &p) {
+    const size_t item = ItemSize(p.type);
+    if (p.floats.size() % item != 0)
+        throw UserError(p.loc, "{}: \"{} {}\" takes groups of {} values, found {}.", set.What(), Name(p.type), p.name,
+                        item, p.floats.size());
+}
 template <class T>
 void RequireRange(const ParamSet &set, const Param &p, T value, const Range<T> &range) {
     if (!range.Contains(value))
         throw UserError(p.loc, "{}: \"{}\" is {}; it must be {}.", set.What(), p.name, value, Text(range));
 }
-[[noreturn]] void ThrowMissing(const ParamSet &set, const std::string &name, ParamType type);
-[[noreturn]] void ThrowNoChoice(const ParamSet &set, const Param &p, const Choices &choices);
+[[noreturn]] inline void ThrowMissing(const ParamSet &set, const std::string &name, ParamType type) {
+    throw set.Error(name, "\"{} {}\" is missing.", Name(type), name);
+}
+[[noreturn]] inline void ThrowNoChoice(const ParamSet &set, const Param &p, const Choices &choices) {
+    throw UserError(p.loc, "{}: \"{}\" is not a choice for \"{}\"; {}.", set.What(), Abbreviate(p.strings[0]), p.name,
+                    ListChoices(p.strings[0], choices));
+}
 /// The parameter, which must have exactly one value; null if absent.
 template <class T>
 const Param *TakeOne(ParamReader &reader, const std::string &name) {

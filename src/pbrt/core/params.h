@@ -34,7 +34,17 @@ inline constexpr std::array<const char *, 13> kParamTypeNames = {
     "bool",    "string", "rgb",    "blackbody", "spectrum", "texture"};  ///< in that order
 constexpr const char *Name(ParamType type) { return kParamTypeNames[size_t(type)]; }
 /// Numbers per value: 2 or 3 for points, vectors, normals and rgb, else 1.
-size_t ItemSize(ParamType type);
+inline size_t ItemSize(ParamType type) {
+    switch (type) {
+        case ParamType::Point2:
+        case ParamType::Vector2: return 2;
+        case ParamType::Point3:
+        case ParamType::Vector3:
+        case ParamType::Normal:
+        case ParamType::Rgb: return 3;
+        default: return 1;
+    }
+}
 
 /// Interval of valid values, closed unless an end is declared open.
 template <class T>
@@ -110,7 +120,12 @@ class ParamSet {
     const std::vector<Param> &Own() const { return params_; }
 
     /// The applicable parameter of that name and type, or of any type; nullptr if there is none.
-    const Param *Find(std::string_view name, std::optional<ParamType> type = {}) const;
+    const Param *Find(std::string_view name, std::optional<ParamType> type = {}) const {
+        for (const std::vector<Param> *list : {&params_, &defaults_})
+            for (auto p = list->rbegin(); p != list->rend(); ++p)
+                if (p->name == name && (!type || p->type == *type)) return &*p;
+        return nullptr;
+    }
     bool Has(std::string_view name) const { return Find(name) != nullptr; }
 
     /// Throws UserError at parameter `name` if the value is outside the range.
@@ -121,12 +136,16 @@ class ParamSet {
     }
 
     /// An error located at parameter `name`; the message begins with the entity's name.
-    UserError Error(std::string_view name, std::string_view message) const;
+    UserError Error(std::string_view name, std::string_view message) const {
+        return UserError(LocOf(name), "{}: {}", what_, message);
+    }
     template <class... T>
     UserError Error(std::string_view name, fmt::format_string<T...> format, T &&...values) const {
         return Error(name, fmt::format(format, std::forward<T>(values)...));
     }
-    void Warn(DiagnosticSink &sink, std::string_view name, std::string_view message) const;
+    void Warn(DiagnosticSink &sink, std::string_view name, std::string_view message) const {
+        sink.Warning(LocOf(name), "{}: {}", what_, message);
+    }
     /// Runs `read`; errors without a location get that of parameter `name`.
     auto At(std::string_view name, auto &&read) const {
         try {
@@ -138,13 +157,15 @@ class ParamSet {
     }
 
     /// Declaration of parameter `name` if given, else the directive.
-    FileLoc LocOf(std::string_view name) const;
+    FileLoc LocOf(std::string_view name) const {
+        const Param *p = Find(name);
+        return p ? p->loc : loc_;
+    }
 
   private:
     std::string what_;
     FileLoc loc_;
-    std::vector<Param> params_;
-    std::vector<Param> defaults_;
+    std::vector<Param> params_, defaults_;
 };
 
 }  // namespace pbrt

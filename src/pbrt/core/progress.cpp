@@ -3,7 +3,6 @@
 #include <fmt/format.h>
 #include <unistd.h>
 
-#include <algorithm>
 #include <cmath>
 #include <cstdio>
 
@@ -58,47 +57,6 @@ std::unique_ptr<ProgressSink> MakeTerminalProgress(bool quiet) {
     if (quiet) return nullptr;
     if (isatty(STDERR_FILENO)) return std::make_unique<BarSink>();
     return std::make_unique<LineSink>();
-}
-
-void Progress::BeginPhase(std::string name, int64_t total) {
-    phase_.done = done_;
-    if (!phase_.name.empty()) outer_.push_back(std::move(phase_));
-    phase_ = {std::move(name), total, 0, Now()};
-    done_ = 0;
-    nextShowMs_ = 100;
-}
-
-void Progress::Advance(int64_t amount) {
-    int64_t done = done_.fetch_add(amount, std::memory_order_relaxed) + amount;
-    if (sink_ && phase_.total > 0) ShowIfDue(double(done) / double(phase_.total));
-}
-
-void Progress::SetFraction(double fraction, double remainingSeconds) {
-    if (sink_) ShowIfDue(fraction, remainingSeconds);
-}
-
-void Progress::ShowIfDue(double fraction, std::optional<double> remaining) {
-    double elapsed = SecondsSince(phase_.begin);
-    auto ms = int64_t(elapsed * 1000);
-    int64_t next = nextShowMs_.load(std::memory_order_relaxed);
-    if (ms < next || !nextShowMs_.compare_exchange_strong(next, ms + 200)) return;
-    if (!remaining) remaining = fraction > 0 ? elapsed * (1 - fraction) / fraction : -1;
-    std::lock_guard lock(showMutex_);
-    sink_->Show(phase_.name, std::min(1.0, fraction), elapsed, *remaining);
-}
-
-double Progress::EndPhase() {
-    double elapsed = SecondsSince(phase_.begin);
-    if (sink_) sink_->PhaseDone(std::string(2 * outer_.size(), ' ') + phase_.name, elapsed);
-    last_ = std::move(phase_.name);
-    phase_ = {};
-    if (!outer_.empty()) {
-        phase_ = std::move(outer_.back());
-        outer_.pop_back();
-    }
-    done_ = phase_.done;
-    nextShowMs_ = int64_t(SecondsSince(phase_.begin) * 1000) + 100;
-    return elapsed;
 }
 
 }  // namespace pbrt

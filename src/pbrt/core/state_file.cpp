@@ -57,12 +57,6 @@ StateFile::StateFile(const std::string &path, const std::string &kind) : path_(p
     reader.RequireEnd();
 }
 
-std::string_view StateFile::Section(const std::string &name) const {
-    const auto it = sections_.find(name);
-    if (it == sections_.end()) throw UserError("{}: has no section \"{}\".", path_, name);
-    return it->second;
-}
-
 void WriteStateFile(const std::string &path, const std::string &kind,
                     const std::map<std::string, const StateWriter *> &sections) {
     StateWriter all;

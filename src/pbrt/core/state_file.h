@@ -20,7 +20,11 @@ class StateFile {
     const std::string &Path() const { return path_; }
     bool Has(const std::string &section) const { return sections_.count(section) > 0; }
     /// Throws UserError if the section does not exist. The bytes live as long as this object.
-    std::string_view Section(const std::string &name) const;
+    std::string_view Section(const std::string &name) const {
+        const auto it = sections_.find(name);
+        if (it == sections_.end()) throw UserError("{}: has no section \"{}\".", path_, name);
+        return it->second;
+    }
 
   private:
     std::string path_, content_;

@@ -37,21 +37,7 @@ Team::Team(std::unique_ptr<MessagePort> port, int threads) : port_(std::move(por
     throw AnotherRankFailed{};
 }
 
-Team &Team::Alone() {
-    static Team alone;
-    return alone;
-}
-
 int Team::TotalThreads() const { return port_ ? totalThreads_ : ThreadCount(); }
-
-void Team::Abort(int status) {
-    if (port_) port_->Abort(status);
-}
-
-void Team::Send(int to, Channel channel, const StateWriter &bytes) {
-    bytesSent_ += bytes.Bytes();
-    port_->Send(to, channel, bytes.Pieces());
-}
 
 std::string Team::Receive(int from) {
     // Sleeps instead of spinning, to leave the core to others.
@@ -96,16 +82,6 @@ void Team::Reduce(const std::function<void(StateWriter &)> &take, const std::fun
     }
 }
 
-void Team::AllReduce(const std::function<void(StateWriter &)> &take, const std::function<void(StateReader &)> &add) {
-    if (Size() == 1) return;
-    Reduce(take, add);
-    StateWriter all;
-    if (IsRank0()) take(all);
-    const std::string bytes = Broadcast(all);
-    StateReader in(bytes, "message");
-    add(in);
-}
-
 std::optional<std::string> Team::Failures(const std::string &mine) {
     struct Processes {
         uint64_t count = 0;
@@ -133,14 +109,6 @@ std::optional<std::string> Team::Failures(const std::string &mine) {
                 text += fmt::format("{} of {} processes (the first is {}) failed: {}", processes.count, Size(),
                                     processes.first, what);
     return text;
-}
-
-void Team::Meet() {
-    const std::optional<std::string> failures = Failures("");
-    if (!failures) return;
-    isEnding_ = true;
-    if (IsRank0()) throw UserError(*failures);
-    throw AnotherRankFailed{};
 }
 
 void Team::Fail(const UserError &error) {

@@ -18,10 +18,11 @@ struct AnotherRankFailed {};
 class Team {
   public:
     Team() = default;
-    /// `threads`: of this process.
     Team(std::unique_ptr<MessagePort> port, int threads);
-    /// A shared team of one.
-    static Team &Alone();
+    static Team &Alone() {
+        static Team alone;
+        return alone;
+    }
 
     int Rank() const { return port_ ? port_->Rank() : 0; }
     int Size() const { return port_ ? port_->Size() : 1; }
@@ -41,10 +42,24 @@ class Team {
     /// Rank 0 does not call `take`.
     void Reduce(const std::function<void(StateWriter &)> &take, const std::function<void(StateReader &)> &add);
     /// Reduce, then all ranks add the data that `take` extracts on rank 0.
-    void AllReduce(const std::function<void(StateWriter &)> &take, const std::function<void(StateReader &)> &add);
+    void AllReduce(const std::function<void(StateWriter &)> &take, const std::function<void(StateReader &)> &add) {
+        if (Size() == 1) return;
+        Reduce(take, add);
+        StateWriter all;
+        if (IsRank0()) take(all);
+        const std::string bytes = Broadcast(all);
+        StateReader in(bytes, "message");
+        add(in);
+    }
     /// Returns if no rank has failed; otherwise throws UserError on rank 0 (unless it reported all failures already)
     /// and AnotherRankFailed on the others.
-    void Meet();
+    void Meet() {
+        const std::optional<std::string> failures = Failures("");
+        if (!failures) return;
+        isEnding_ = true;
+        if (IsRank0()) throw UserError(*failures);
+        throw AnotherRankFailed{};
+    }
     /// Takes the place of the next Meet on a rank that failed with `error`. Returns when all others have the error.
     /// Rank 0 prints the others' errors, but not its own; the others print nothing. Does nothing if the error came from
     /// Meet.
@@ -54,12 +69,17 @@ class Team {
 
     uint64_t BytesSent() const { return bytesSent_; }
     /// Aborts all processes of the job; no effect for a team of one.
-    void Abort(int status);
+    void Abort(int status) {
+        if (port_) port_->Abort(status);
+    }
 
   private:
     friend class WorkDistributor;
     using Channel = MessagePort::Channel;
-    void Send(int to, Channel channel, const StateWriter &bytes);
+    void Send(int to, Channel channel, const StateWriter &bytes) {
+        bytesSent_ += bytes.Bytes();
+        port_->Send(to, channel, bytes.Pieces());
+    }
     std::string Receive(int from);
     /// Failures of the other ranks, as text on rank 0; nothing if no rank failed. `mine`: empty if this one did not.
     std::optional<std::string> Failures(const std::string &mine);
@@ -72,8 +92,7 @@ class Team {
 
 /// Team size and rank as announced by mpirun in the environment.
 struct AnnouncedTeam {
-    int rank = 0, size = 1;
-    int onThisMachine = 1;
+    int rank = 0, size = 1, onThisMachine = 1;
 };
 AnnouncedTeam ReadAnnouncedTeam();
 

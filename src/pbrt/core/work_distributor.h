@@ -19,7 +19,6 @@ namespace pbrt {
 /// distribution and cancels it on all.
 class WorkDistributor {
   public:
-    /// `threads`: of this process.
     WorkDistributor(Team &team, int64_t count, int threads, Progress &progress)
         : team_(team), progress_(progress), threads_(threads) {
         if (!team.IsRank0()) return;

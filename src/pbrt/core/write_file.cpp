@@ -184,8 +184,6 @@ void RemoveTemporaries() {
     for (const std::string &path : r.paths) std::filesystem::remove_all(path, ignored);
 }
 
-void WriteFile(const std::string &path, std::string_view content) { WriteFile(path, Pieces{content}); }
-
 void WriteFile(const std::string &path, const Pieces &content) {
     // Exceeded file-size limits and pipes without reader give errors instead of ending the process.
     for (int number : {SIGXFSZ, SIGPIPE}) signal(number, SIG_IGN);

@@ -175,20 +175,6 @@ Rgb AlbedoColor(const VisibleSurface &visible, const ColorSpace &space) {
     return space.ToRgb(xyz / CieYIntegral);
 }
 
-ImageMetadata Film::Metadata() const {
-    ImageMetadata metadata;
-    metadata.pixelBounds = frame_.pixelBounds;
-    metadata.fullResolution = frame_.fullResolution;
-    metadata.colorSpace = frame_.outputSpace;
-    return metadata;
-}
-
-size_t Film::Bytes() const {
-    size_t bytes = 0;
-    for (const StateBlock &block : Blocks()) bytes += block.bytes;
-    return bytes;
-}
-
 void Film::Save(StateWriter &out) const {
     const std::vector<StateBlock> blocks = Blocks();
     out(kMagic, kind_, PixelBounds(), uint64_t{blocks.size()});

@@ -169,9 +169,19 @@ class Film {
     virtual Image ToImage() const = 0;
     /// R, G and B of ToImage in float precision without messages, for previews.
     virtual Image Colors() const = 0;
-    virtual ImageMetadata Metadata() const;
+    virtual ImageMetadata Metadata() const {
+        ImageMetadata metadata;
+        metadata.pixelBounds = frame_.pixelBounds;
+        metadata.fullResolution = frame_.fullResolution;
+        metadata.colorSpace = frame_.outputSpace;
+        return metadata;
+    }
     virtual uint64_t RejectedSamples() const = 0;
-    size_t Bytes() const;
+    size_t Bytes() const {
+        size_t bytes = 0;
+        for (const StateBlock &block : Blocks()) bytes += block.bytes;
+        return bytes;
+    }
     /// Creates an empty rgb film of the same pixels and sensor, in float precision.
     virtual std::unique_ptr<Film> MakeRgbFilm() const = 0;
 

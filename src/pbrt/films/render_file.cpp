@@ -3,8 +3,6 @@
 #include <fmt/ranges.h>
 
 #include <bit>
-#include <cmath>
-#include <limits>
 #include <nlohmann/json.hpp>
 
 namespace pbrt {
@@ -191,47 +189,8 @@ std::string DifferencesOf(const RenderIdentity &mine, const RenderIdentity &othe
     return fmt::format("{}", fmt::join(differences, "; "));
 }
 
-std::optional<std::string> RenderFileHead::Validate() const {
-    const auto isTime = [](double s) { return s >= 0 && std::isfinite(s); };
-    if (samplesFlag < 0 || samplesPerBatch < 1 || first < 0 || done < first || passCount < 0 ||
-        passCount > std::numeric_limits<int>::max() - done || end < 0 || (end > 0 && (end <= first || end < done)))
-        return "its numbers of samples are not possible";
-    return isTime(seconds) && isTime(renderSeconds) ? std::nullopt : std::optional("its times are not possible");
-}
-
 RenderFile::RenderFile(const std::string &path) : file_(path, kKind), head_(HeadOf(file_)) {
     StateReader({}, path).Require((head_.passCount > 0) == !PassDone().empty(), "its pass was not begun");
-}
-
-std::vector<uint32_t> RenderFile::PassDone() const {
-    std::vector<uint32_t> done;
-    StateReader in(file_.Section("pass"), Path());
-    in.Structure(done);
-    in.RequireEnd();
-    return done;
-}
-
-SamplePlan RenderFile::Plan(const PixelCells &cells) const {
-    SamplePlan plan;
-    StateReader in(file_.Section("plan"), Path());
-    in(plan);
-    in.RequireEnd();
-    in.RequireValid(plan.Validate(cells, head_.done));
-    return plan;
-}
-
-void RenderFile::ReadFilm(const char *section, Film &film, void (Film::*read)(StateReader &)) const {
-    StateReader in(file_.Section(section), Path());
-    try {
-        (film.*read)(in);
-    } catch (const UserError &e) {
-        throw UserError("{}: {}", Path(), e.Diagnostics()[0].message);
-    }
-    in.Require(in.BytesLeft() == 0, "its film is too long");
-    const Image colors = film.Colors();
-    ForEachValue(colors, [&](Point2i p, int c) {
-        in.Require(std::isfinite(colors.Get(p, c)), "a pixel of its film is not finite");
-    });
 }
 
 void WriteRenderFile(const std::string &path, const RenderFileHead &head, const std::vector<uint32_t> &passDone,

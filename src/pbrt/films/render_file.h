@@ -1,4 +1,6 @@
 #pragma once
+#include <cmath>
+#include <limits>
 #include <map>
 #include <memory>
 #include <nlohmann/json_fwd.hpp>
@@ -54,7 +56,13 @@ struct RenderFileHead {
 
     bool IsComplete() const { return (end == 0 || done == end) && passCount == 0; }
     /// Returns the error of an invalid head; empty if valid.
-    std::optional<std::string> Validate() const;
+    std::optional<std::string> Validate() const {
+        const auto isTime = [](double s) { return s >= 0 && std::isfinite(s); };
+        if (samplesFlag < 0 || samplesPerBatch < 1 || first < 0 || done < first || passCount < 0 ||
+            passCount > std::numeric_limits<int>::max() - done || end < 0 || (end > 0 && (end <= first || end < done)))
+            return "its numbers of samples are not possible";
+        return isTime(seconds) && isTime(renderSeconds) ? std::nullopt : std::optional("its times are not possible");
+    }
 };
 
 class RenderFile {
@@ -64,19 +72,44 @@ class RenderFile {
 
     const std::string &Path() const { return file_.Path(); }
     const RenderFileHead &Head() const { return head_; }
-    std::vector<uint32_t> PassDone() const;
+    std::vector<uint32_t> PassDone() const {
+        std::vector<uint32_t> done;
+        StateReader in(file_.Section("pass"), Path());
+        in.Structure(done);
+        in.RequireEnd();
+        return done;
+    }
     /// Film::Load and Film::Merge of the sums. Throw UserError.
     void LoadFilm(Film &film) const { ReadFilm("film", film, &Film::Load); }
     void MergeFilm(Film &film) const { ReadFilm("film", film, &Film::Merge); }
     /// Of an adaptive render: its plan, and the half film. Throw UserError.
-    SamplePlan Plan(const PixelCells &cells) const;
+    SamplePlan Plan(const PixelCells &cells) const {
+        SamplePlan plan;
+        StateReader in(file_.Section("plan"), Path());
+        in(plan);
+        in.RequireEnd();
+        in.RequireValid(plan.Validate(cells, head_.done));
+        return plan;
+    }
     void LoadHalf(Film &half) const { ReadFilm("half film", half, &Film::Load); }
     /// Learned state of the light sampler.
     StateReader Learned() const { return {file_.Section("learned"), Path()}; }
 
   private:
     /// Adds the file name to errors. Throws UserError if `read` leaves data, or a pixel becomes non-finite.
-    void ReadFilm(const char *section, Film &film, void (Film::*read)(StateReader &)) const;
+    void ReadFilm(const char *section, Film &film, void (Film::*read)(StateReader &)) const {
+        StateReader in(file_.Section(section), Path());
+        try {
+            (film.*read)(in);
+        } catch (const UserError &e) {
+            throw UserError("{}: {}", Path(), e.Diagnostics()[0].message);
+        }
+        in.Require(in.BytesLeft() == 0, "its film is too long");
+        const Image colors = film.Colors();
+        ForEachValue(colors, [&](Point2i p, int c) {
+            in.Require(std::isfinite(colors.Get(p, c)), "a pixel of its film is not finite");
+        });
+    }
     StateFile file_;
     RenderFileHead head_;
 };

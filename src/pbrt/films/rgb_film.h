@@ -147,7 +147,6 @@ class RgbFilm : public Film {
     }
 
   private:
-    static constexpr Float kMaxHalf = 65504;
     static constexpr double kBytesPerPixel = 4 * sizeof(PreciseSum) + 3 * sizeof(float);
     RgbFilm(const std::string &kind, const FilmFrame &frame, Float maxComponent, const PixelSensor &sensor)
         : Film(kind, frame), maxComponent_(maxComponent), sensor_(sensor),

@@ -13,8 +13,7 @@ std::vector<std::string> SupportedSensors();
 /// Sensor parameters of a film (pbrt-v4-format §5.2).
 struct SensorParams {
     std::string name = "cie1931";
-    Float iso = 100;
-    Float whiteBalance = 0;
+    Float iso = 100, whiteBalance = 0;
     void Describe(auto &&v) {
         v("sensor", name, SupportedSensors(), "spectral response");
         v("iso", iso, Positive(1e9f), "sensitivity");

@@ -26,8 +26,6 @@
 namespace pbrt::formats {
 namespace {
 
-constexpr Float LargestHalf = 65504;
-
 // Attributes that are mandatory, or represented by the pixels or other fields of ImageMetadata.
 const std::set<std::string> StructuralAttributes = {
     "channels",          "chromaticities", "chunkCount", "compression",      "dataWindow", "displayWindow",
@@ -129,7 +127,7 @@ double MaxExpansion(Imf::Compression compression) {
 
 size_t CountAtHalfLimit(const Image &image) {
     size_t count = 0;
-    ForEachValue(image, [&](Point2i p, int c) { count += std::abs(image.Get(p, c)) >= LargestHalf; });
+    ForEachValue(image, [&](Point2i p, int c) { count += std::abs(image.Get(p, c)) >= kMaxHalf; });
     return count;
 }
 
@@ -216,7 +214,7 @@ std::string EncodeExr(const std::string &path, const Image &image, const ImageMe
     const bool asFloat = image.Format() == PixelFormat::Float;
     const Image pixels = asFloat ? image : image.ConvertTo(PixelFormat::Half);
     if (size_t clamped = asFloat ? 0 : CountAtHalfLimit(pixels))
-        LogWarning("{}: {} values are at or beyond {}, the largest in half precision.", path, clamped, LargestHalf);
+        LogWarning("{}: {} values are at or beyond {}, the largest in half precision.", path, clamped, kMaxHalf);
     Imf::PixelType type = asFloat ? Imf::FLOAT : Imf::HALF;
     for (const std::string &name : image.Channels()) header.channels().insert(name, Imf::Channel(type));
     // In memory, because OpenEXR does not report errors on closing a file.

@@ -116,11 +116,6 @@ Image::Image(PixelFormat format, Point2i resolution, std::vector<std::string> ch
     if (format_ == PixelFormat::U8) code_ = &ByteCode::Of(encoding_);
 }
 
-int Image::FindChannel(const std::string &name) const {
-    const auto found = std::ranges::find(channels_, name);
-    return found == channels_.end() ? -1 : int(found - channels_.begin());
-}
-
 Float Image::Get(Point2i p, int channel) const {
     size_t i = Index(p, channel);
     switch (format_) {
@@ -131,19 +126,13 @@ Float Image::Get(Point2i p, int channel) const {
     return 0;
 }
 
-Float Image::Get(Point2i p, int channel, WrapMode wrap) const {
-    return RemapPixel(p, resolution_, wrap) ? Get(p, channel) : 0;
-}
-
 void Image::Set(Point2i p, int channel, Float linear) {
     size_t i = Index(p, channel);
     switch (format_) {
         case PixelFormat::U8: static_cast<uint8_t *>(Data())[i] = code_->Encode(linear); break;
-        case PixelFormat::Half: {
-            constexpr Float largest = 65504;
-            static_cast<uint16_t *>(Data())[i] = imath_float_to_half(std::clamp(linear, -largest, largest));
+        case PixelFormat::Half:
+            static_cast<uint16_t *>(Data())[i] = imath_float_to_half(std::clamp(linear, -kMaxHalf, kMaxHalf));
             break;
-        }
         case PixelFormat::Float: static_cast<float *>(Data())[i] = linear; break;
     }
 }
@@ -176,10 +165,6 @@ Image Image::Extract(const std::vector<std::string> &channels, const std::string
     else if (format_ == PixelFormat::Half) copy(As<uint16_t>());
     else copy(As<float>());
     return result;
-}
-
-Image Image::Select(const std::vector<std::string> &channels, const std::string &name) const {
-    return Extract(channels, name).ConvertTo(PixelFormat::Float);
 }
 
 Image Image::ConvertTo(PixelFormat format) const {

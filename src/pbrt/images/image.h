@@ -15,6 +15,7 @@
 namespace pbrt {
 
 enum class PixelFormat { U8, Half, Float };
+inline constexpr Float kMaxHalf = 65504;  ///< largest finite half
 
 /// Encoding of stored 8/16-bit values (pbrt-v4-format §8, §14).
 struct ColorEncoding {
@@ -64,17 +65,24 @@ class Image {
     const std::vector<std::string> &Channels() const { return channels_; }
     const ColorEncoding &Encoding() const { return encoding_; }
     size_t ValueCount() const { return Index({0, resolution_.y}, 0); }
-    int FindChannel(const std::string &name) const;
+    int FindChannel(const std::string &name) const {
+        const auto found = std::ranges::find(channels_, name);
+        return found == channels_.end() ? -1 : int(found - channels_.begin());
+    }
     bool HasRgb() const { return FindChannel("R") >= 0 && FindChannel("G") >= 0 && FindChannel("B") >= 0; }
 
     Float Get(Point2i p, int channel) const;  ///< p inside the image
-    Float Get(Point2i p, int channel, WrapMode wrap) const;
+    Float Get(Point2i p, int channel, WrapMode wrap) const {
+        return RemapPixel(p, resolution_, wrap) ? Get(p, channel) : 0;
+    }
     /// Clamps bytes to [0, 1], halves to the largest finite half (WriteImage reports those).
     void Set(Point2i p, int channel, Float linear);
     /// Bilinear at st in [0,1]^2, pixel centres at half-integers.
     Float Bilinear(Point2 st, int channel, WrapMode wrap) const;
     /// Returns the named channels as float. Throws UserError if one is missing; `name`: subject of its message.
-    Image Select(const std::vector<std::string> &channels, const std::string &name = "The image") const;
+    Image Select(const std::vector<std::string> &channels, const std::string &name = "The image") const {
+        return Extract(channels, name).ConvertTo(PixelFormat::Float);
+    }
     /// As many names as there are channels.
     void RenameChannels(std::vector<std::string> names) { channels_ = std::move(names); }
     /// As Select, but keeps format and encoding.

@@ -3,7 +3,6 @@
 #include <fmt/ranges.h>
 
 #include <algorithm>
-#include <numeric>
 
 #include "pbrt/core/error.h"
 
@@ -48,27 +47,7 @@ size_t CountNotFinite(const Image &image) {
 
 }  // namespace
 
-const std::vector<std::string> &MetricNames() {
-    // In enumeration order.
-    static const std::vector<std::string> names = {"MAE",      "MSE",   "MRSE", "relL2",
-                                                   "relL2Abs", "SMAPE", "FLIP", "HDR-FLIP"};
-    return names;
-}
-
-std::optional<Metric> ParseMetric(const std::string &name) {
-    for (size_t i = 0; i < MetricNames().size(); ++i)
-        if (MetricNames()[i] == name) return static_cast<Metric>(i);
-    return {};
-}
-
 double RelL2Epsilon(double mean) { return mean != 0 ? 0.01 * mean * mean : kAbsoluteEpsilon; }
-
-std::vector<int> RgbOrAllChannels(const Image &image) {
-    if (image.HasRgb()) return {image.FindChannel("R"), image.FindChannel("G"), image.FindChannel("B")};
-    std::vector<int> channels(image.ChannelCount());
-    std::iota(channels.begin(), channels.end(), 0);
-    return channels;
-}
 
 double RelL2Epsilon(const Image &reference) {
     const std::vector<int> channels = RgbOrAllChannels(reference);

@@ -1,5 +1,6 @@
 #pragma once
 #include <cmath>
+#include <numeric>
 #include <string>
 #include <vector>
 
@@ -9,9 +10,18 @@ namespace pbrt {
 
 /// Image error measures over all pixels and channels; both FLIPs are per pixel and need R, G and B.
 enum class Metric { MAE, MSE, MRSE, RelL2, RelL2Abs, SMAPE, FLIP, HdrFLIP };
-/// Metric of this name, one of MetricNames (in the order of Metric); empty for another.
-std::optional<Metric> ParseMetric(const std::string &name);
-const std::vector<std::string> &MetricNames();
+/// Names in the order of Metric.
+inline const std::vector<std::string> &MetricNames() {
+    static const std::vector<std::string> names = {"MAE",      "MSE",   "MRSE", "relL2",
+                                                   "relL2Abs", "SMAPE", "FLIP", "HDR-FLIP"};
+    return names;
+}
+/// Metric of this name, one of MetricNames; empty for another.
+inline std::optional<Metric> ParseMetric(const std::string &name) {
+    for (size_t i = 0; i < MetricNames().size(); ++i)
+        if (MetricNames()[i] == name) return static_cast<Metric>(i);
+    return {};
+}
 
 /// Epsilon of relL2 for a reference of mean magnitude `mean`: 0.01 mean^2, which makes relL2 independent of exposure;
 /// 0.01 for a black reference.
@@ -20,7 +30,12 @@ double RelL2Epsilon(double mean);
 double RelL2Epsilon(const Image &reference);
 
 /// Indices of R, G and B; of all channels if one of these is missing.
-std::vector<int> RgbOrAllChannels(const Image &image);
+inline std::vector<int> RgbOrAllChannels(const Image &image) {
+    if (image.HasRgb()) return {image.FindChannel("R"), image.FindChannel("G"), image.FindChannel("B")};
+    std::vector<int> channels(image.ChannelCount());
+    std::iota(channels.begin(), channels.end(), 0);
+    return channels;
+}
 
 /// Mean of the finite values among those added; 0 if there are none.
 struct FiniteMean {

@@ -289,10 +289,4 @@ Rgb MipMap::LookupRgb(Point2 st, Vector2 dst0, Vector2 dst1) const {
     return {rgb.v[0], rgb.v[1], rgb.v[2]};
 }
 
-size_t MipMap::Bytes() const {
-    size_t bytes = 0;
-    for (const Image &level : pixels_->levels) bytes += level.Bytes();
-    return bytes;
-}
-
 }  // namespace pbrt

@@ -37,7 +37,11 @@ class MipMap {
     const ColorSpace &Space() const { return *colorSpace_; }
     bool HasAlpha() const { return view_.channels == 4; }
     /// Bytes in memory, excluding tiles. Shared images are counted by each map.
-    size_t Bytes() const;
+    size_t Bytes() const {
+        size_t bytes = 0;
+        for (const Image &level : pixels_->levels) bytes += level.Bytes();
+        return bytes;
+    }
 
     /// Level data for lookups. Width and height are powers of two.
     struct LevelView {

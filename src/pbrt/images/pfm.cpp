@@ -11,18 +11,8 @@
 #include "pbrt/images/image_formats.h"
 
 namespace pbrt::formats {
-namespace {
 
 static_assert(std::endian::native == std::endian::little);
-
-float ReadFloat(const char *bytes, bool swap) {
-    uint32_t bits = 0;
-    std::memcpy(&bits, bytes, sizeof bits);
-    if (swap) bits = __builtin_bswap32(bits);
-    return std::bit_cast<float>(bits);
-}
-
-}  // namespace
 
 ImageFile ReadPfm(const std::string &path) {
     std::string content = ReadFileContents(path);
@@ -55,8 +45,11 @@ ImageFile ReadPfm(const std::string &path) {
     const bool swap = scale > 0;
     const float factor = float(std::abs(scale));
     for (int y = resolution.y - 1; y >= 0; --y)
-        for (size_t i = 0; i < rowValues; ++i, at += sizeof(float))
-            pixels[y * rowValues + i] = ReadFloat(content.data() + at, swap) * factor;
+        for (size_t i = 0; i < rowValues; ++i, at += sizeof(float)) {
+            uint32_t bits = 0;
+            std::memcpy(&bits, content.data() + at, sizeof(bits));
+            pixels[y * rowValues + i] = std::bit_cast<float>(swap ? __builtin_bswap32(bits) : bits) * factor;
+        }
     return result;
 }
 

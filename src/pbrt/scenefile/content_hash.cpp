@@ -1,7 +1,5 @@
 #include "pbrt/scenefile/content_hash.h"
 
-#include <fmt/format.h>
-
 #include <cstring>
 #include <filesystem>
 #include <functional>
@@ -62,8 +60,6 @@ void ContentHash::Add(const std::string &bytes) {
         hash_ = MixBits(hash_ * 0x9e3779b97f4a7c15ull + word);
     }
 }
-
-std::string ContentHash::Hex() const { return fmt::format("{:016x}", hash_); }
 
 std::string SceneHash(const std::string &scenePath) {
     ContentHash hash;

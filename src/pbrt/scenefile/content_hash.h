@@ -1,4 +1,6 @@
 #pragma once
+#include <fmt/format.h>
+
 #include <cstdint>
 #include <map>
 #include <set>
@@ -11,7 +13,7 @@ class ContentHash {
     ContentHash() = default;
     explicit ContentHash(const std::string &bytes) { Add(bytes); }
     void Add(const std::string &bytes);
-    std::string Hex() const;  ///< 16 digits
+    std::string Hex() const { return fmt::format("{:016x}", hash_); }  ///< 16 digits
 
   private:
     uint64_t hash_ = 0x6c6967687461620aull;

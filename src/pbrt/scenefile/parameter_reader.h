@@ -232,8 +232,7 @@ class ParameterReader {
     static const char *ExpectedValues(ParamType type) {
         if (TakesStrings(type)) return "quoted strings";
         if (type == ParamType::Bool) return "true or false (without quotes)";
-        if (type == ParamType::Spectrum) return "numbers or quoted names";
-        return "numbers";
+        return type == ParamType::Spectrum ? "numbers or quoted names" : "numbers";
     }
     static std::string Quote(const Token &token) {
         return fmt::format("{}\"{}\"", token.kind == TokenKind::String ? "the string " : "", Abbreviate(token.text));

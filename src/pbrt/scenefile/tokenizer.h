@@ -32,8 +32,7 @@ struct Token {
     TokenKind kind = TokenKind::End;
     std::string_view text;  ///< of a string: without quotes, escapes replaced
     uint32_t file = 0;      ///< index into the tokenizer's files
-    int line = 0;
-    int column = 0;
+    int line = 0, column = 0;
 };
 
 /// Tokens of a file with included files spliced in. Lexical errors are thrown as located UserErrors.
@@ -85,8 +84,7 @@ class Tokenizer {
     FileLoc Loc(const Token &token) const { return {files_[token.file], token.line, token.column}; }
     FileLoc LastLoc() const {
         if (files_.empty()) return {};
-        if (last_.kind == TokenKind::End) return {files_.front(), 0, 0};
-        return Loc(last_);
+        return last_.kind == TokenKind::End ? FileLoc{files_.front(), 0, 0} : Loc(last_);
     }
 
   private:

@@ -10,13 +10,15 @@
 namespace pbrt::imgtool {
 namespace {
 
-struct AverageOptions {
-    std::vector<std::string> names;
+/// Of all three commands.
+struct CombineOptions {
+    std::vector<std::string> paths;
     std::string outfile;
+    bool incomplete = false;
 };
 
-int Average(const AverageOptions &o) {
-    const std::vector<std::string> paths = FindImages(o.names, {o.outfile});
+int Average(const CombineOptions &o) {
+    const std::vector<std::string> paths = FindImages(o.paths, {o.outfile});
     ImageFile first = ReadAsFloat(paths[0]);
     std::vector<double> sums(first.image.ValueCount(), 0);
     for (const std::string &path : paths) {
@@ -32,12 +34,7 @@ int Average(const AverageOptions &o) {
     return 0;
 }
 
-struct AssembleOptions {
-    std::vector<std::string> paths;
-    std::string outfile;
-};
-
-int Assemble(const AssembleOptions &o) {
+int Assemble(const CombineOptions &o) {
     ImageFile whole;
     std::vector<uint8_t> counts;
     for (const std::string &path : o.paths) {
@@ -75,12 +72,6 @@ int Assemble(const AssembleOptions &o) {
     WriteImage(o.outfile, whole.image, whole.metadata);
     return 0;
 }
-
-struct MergeOptions {
-    std::string outfile;
-    std::vector<std::string> paths;
-    bool incomplete = false;
-};
 
 constexpr const char *kIncomplete = ", and --incomplete makes the image of the samples that there are";
 
@@ -143,7 +134,7 @@ int CheckCover(const std::vector<Part> &parts, bool incomplete) {
     return total;
 }
 
-int Merge(const MergeOptions &o) {
+int Merge(const CombineOptions &o) {
     CheckImageName(o.outfile, {});
     std::vector<Part> parts;
     for (const std::string &path : o.paths) {
@@ -174,7 +165,7 @@ int Merge(const MergeOptions &o) {
 void AddAverage(CLI::App &app, Action &action) {
     auto [command, o] = AddCommand(app, action, Average, "average", "Mean of several images",
                                    "Example: imgtool average runs/seed --outfile mean.exr");
-    AddFlags(command, {Flag("images", o.names, kImagesHelp).Required(),
+    AddFlags(command, {Flag("images", o.paths, kImagesHelp).Required(),
                        Flag("--outfile", o.outfile,
                             "Result; not averaged itself, even if a pattern or the start of a name fits it")
                            .Required()

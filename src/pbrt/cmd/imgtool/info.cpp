@@ -41,9 +41,8 @@ const char *FormatName(PixelFormat format) {
 double ShortNumber(Float v) { return std::stod(fmt::format("{}", v)); }
 
 struct AttributeJson {
-    Json operator()(int v) const { return v; }
+    Json operator()(const auto &v) const { return v; }
     Json operator()(float v) const { return ShortNumber(v); }
-    Json operator()(const std::string &v) const { return v; }
     Json operator()(const glm::mat4 &m) const {
         Json rows = Json::array();
         for (int row = 0; row < 4; ++row)

@@ -3,7 +3,6 @@
 #include <fmt/ranges.h>
 #include <CLI/CLI.hpp>
 
-#include <algorithm>
 #include <map>
 
 #include "pbrt/cmd/flags.h"
@@ -13,9 +12,7 @@
 namespace pbrt {
 namespace {
 
-bool IsNumber(std::string_view text) {
-    return !text.empty() && std::all_of(text.begin(), text.end(), [](char c) { return c >= '0' && c <= '9'; });
-}
+bool IsNumber(std::string_view text) { return !text.empty() && text.find_first_not_of("0123456789") == text.npos; }
 
 /// Rewrites flags to the declared spelling. Unknown flags stay unchanged for CheckFlags.
 std::vector<std::string> CanonicalFlags(const CLI::App &app, int argc, const char *const *argv) {

@@ -13,11 +13,10 @@ struct CommandLine {
     std::vector<std::string> sceneFiles;  ///< "-": standard input
     int threads = 0;
     bool quiet = false, writePartialImages = false;
-    std::string stats;  ///< "text" or "json": statistics to standard output; empty: none
-    std::string list;   ///< topic to list instead of rendering
-    double timeBudget = 0;
-    double noise = 0;        ///< --noise; 0: none
-    std::string checkpoint;  ///< file for checkpoints; empty: none
+    std::string stats;                 ///< "text" or "json": statistics to standard output; empty: none
+    std::string list;                  ///< topic to list instead of rendering
+    double timeBudget = 0, noise = 0;  ///< --time in seconds, --noise; 0: none
+    std::string checkpoint;            ///< file for checkpoints; empty: none
     double checkpointInterval = 60;
     bool resume = false;
     std::optional<std::pair<int, int>> samples;  ///< sample range [first, second) of every pixel

@@ -56,7 +56,7 @@ void CheckCombination(const CommandLine &options, const BuiltScene &built, const
             "of single strategies are neither stored in checkpoints nor sent to other processes.");
 }
 
-std::string NothingWritten(const std::string &phase) {
+std::string NothingWritten(const char *phase) {
     return fmt::format("Interrupted while {}: no image was written.", phase);
 }
 

@@ -55,6 +55,12 @@ Json AdaptiveJson(const CommandLine &options, const RenderResult &result) {
             {"noiseRequested", options.noise > 0 ? Json(options.noise) : Json()}};
 }
 
+ImageMetadata::Value AttributeOf(const Json &value) {
+    if (value.is_number_integer()) return value.get<int>();
+    if (value.is_number()) return value.get<float>();
+    return value.is_string() ? value.get<std::string>() : value.dump();
+}
+
 }  // namespace
 
 double SecondsSinceProcessStart() {
@@ -74,16 +80,9 @@ ImageMetadata DescribeImage(const CommandLine &options, const BuiltScene &built,
     ImageMetadata m = built.film->Metadata();
     m.attributes["renderTimeSeconds"] = float(result.seconds);
     m.attributes["samplesPerPixel"] = result.samplesTaken;
-    if (const auto &a = result.adaptive) {
-        m.attributes["pbrt.meanSamples"] = float(a->meanSamples);
-        m.attributes["pbrt.minSamples"] = a->minSamples;
-        m.attributes["pbrt.maxSamples"] = a->maxSamples;
-        m.attributes["pbrt.decisions"] = a->decisions;
-        m.attributes["pbrt.uniformDecisions"] = a->uniformDecisions;
-        m.attributes["pbrt.predictedGain"] = float(a->predictedGain);
-        if (a->noise) m.attributes["pbrt.noise"] = float(*a->noise);
-        if (options.noise > 0) m.attributes["pbrt.noiseRequested"] = float(options.noise);
-    }
+    const Json adaptive = AdaptiveJson(options, result);
+    for (const auto &[key, value] : adaptive.items())
+        if (!value.is_null()) m.attributes["pbrt." + key] = AttributeOf(value);
     if (options.timeBudget > 0) m.attributes["pbrt.plannedSamplesPerPixel"] = built.samplesPerPixel;
     m.attributes["worldToCamera"] = built.cameraFromWorld.Matrix();
     if (std::optional<Transform> ndc = built.camera->NdcFromCamera())
@@ -102,12 +101,7 @@ ImageMetadata DescribeImage(const CommandLine &options, const BuiltScene &built,
     if (result.cancelled) m.attributes["pbrt.interrupted"] = 1;
     for (const ComponentReport &r : ReportsOf(built)) {
         if (!r.name.empty()) m.attributes[r.key] = r.name;
-        for (const auto &[key, value] : r.report.items()) {
-            ImageMetadata::Value &attribute = m.attributes[r.key + "." + key];
-            if (value.is_number_integer()) attribute = value.get<int>();
-            else if (value.is_number()) attribute = value.get<float>();
-            else attribute = value.is_string() ? value.get<std::string>() : value.dump();
-        }
+        for (const auto &[key, value] : r.report.items()) m.attributes[r.key + "." + key] = AttributeOf(value);
     }
     return m;
 }

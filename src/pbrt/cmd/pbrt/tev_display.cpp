@@ -135,8 +135,7 @@ std::pair<std::string, std::string> SplitServer(const std::string &server) {
     if (colon == std::string::npos || colon == 0) return {};
     std::string host = server.substr(0, colon), port = server.substr(colon + 1);
     if (host.size() > 2 && host.front() == '[' && host.back() == ']') host = host.substr(1, host.size() - 2);
-    const bool isNumber = !port.empty() && port.size() <= 5 &&
-                          std::all_of(port.begin(), port.end(), [](char c) { return c >= '0' && c <= '9'; });
+    const bool isNumber = !port.empty() && port.size() <= 5 && port.find_first_not_of("0123456789") == port.npos;
     if (!isNumber || std::stoi(port) < 1 || std::stoi(port) > 65535) return {};
     return {host, port};
 }

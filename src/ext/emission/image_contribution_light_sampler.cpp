@@ -55,7 +55,9 @@ class ContributionPath {
   private:
     void AddEmission(PathWalk::Met met) {
         walk_.ForEachEmission(lambda_, [&](const SampledSpectrum &Le, LightId id, const Point3 &p, const Normal3 &n) {
-            Hit(weights_.beta * Le, id, met == PathWalk::Met::Nothing, walk_.GetRay().d, p, n);
+            const bool isInfinite = met == PathWalk::Met::Nothing;
+            const Float pLight = pdf_ > 0 ? last_.LightPdf(scene_.Lights(), id, isInfinite, walk_.GetRay().d, p, n) : 0;
+            Add(weights_.beta * Le * (pLight > 0 ? PowerHeuristic(pdf_, pLight) : Float(1)), id, weights_.ru);
         });
     }
 
@@ -123,12 +125,6 @@ class ContributionPath {
         SampledSpectrum L = weights_.beta * light->F() * light->sample.L / light->Pdf() * light->through.value;
         if (!light->isDelta) L *= PowerHeuristic(light->Pdf(), pdf(light->sample.wi));
         Add(L, light->chosen.light, weights_.ru * light->through.rl);
-    }
-
-    void Hit(const SampledSpectrum &L, LightId light, bool isInfinite, const Vector3 &wi, const Point3 &p,
-             const Normal3 &n) {
-        const Float pLight = pdf_ > 0 ? last_.LightPdf(scene_.Lights(), light, isInfinite, wi, p, n) : 0;
-        Add(L * (pLight > 0 ? PowerHeuristic(pdf_, pLight) : Float(1)), light, weights_.ru);
     }
 
     const Scene &scene_;

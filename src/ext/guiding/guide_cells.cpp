@@ -275,7 +275,15 @@ class GuideCellsBuilder {
                 ++samples[cluster];
             }
             std::vector<double> angles(count);
-            FindSolidAngles(task, targets, angles);
+            const size_t step = std::max<size_t>(1, task.bounces / kCellPlaces);
+            size_t places = 0;
+            for (size_t i = 0; i < task.bounces; i += step, ++places) {
+                const GuideRecord &r = places_[bounces_[task.firstBounce + i]];
+                for (size_t k = 0; k < count; ++k)
+                    angles[k] += double(SolidAngleOf(targets[k], r.p, r.normal, r.bothSides));
+            }
+            for (double &angle : angles)
+                if (places > 0) angle /= double(places);
             double &ofPart = sums.events[node];
             for (size_t i = 0; i < task.bounces; ++i) ofPart += IsOf(places_[bounces_[task.firstBounce + i]], part);
             for (size_t k = 0; k < count; ++k) e[k] = ofPart * double(targets[k].radiance) * angles[k];
@@ -283,18 +291,6 @@ class GuideCellsBuilder {
         for (size_t k = 0; k < count; ++k)
             if (samples[k] > 0) sums.meanSample[k] /= samples[k];
         return sums;
-    }
-
-    void FindSolidAngles(const Task &task, std::span<const SourceCluster> targets, std::span<double> angles) const {
-        const size_t step = std::max<size_t>(1, task.bounces / kCellPlaces);
-        size_t places = 0;
-        for (size_t i = 0; i < task.bounces; i += step, ++places) {
-            const GuideRecord &r = places_[bounces_[task.firstBounce + i]];
-            for (size_t k = 0; k < targets.size(); ++k)
-                angles[k] += double(SolidAngleOf(targets[k], r.p, r.normal, r.bothSides));
-        }
-        for (double &angle : angles)
-            if (places > 0) angle /= double(places);
     }
 
     Float ProbabilityAt(size_t k) const { return largestProbability_ * Float(k) / (kProbabilities - 1); }

@@ -102,14 +102,6 @@ PathGuide::View PathGuide::ViewOf(const PrepareContext &prepare) {
     return view;
 }
 
-bool PathGuide::IsSame(const View &a, const View &b) const {
-    for (size_t i = 0; i < View::kRays; ++i)
-        if (!(Distance(a.from[i], b.from[i]) <= kSameDistance * environmentDistance_ &&
-              Length(a.towards[i] - b.towards[i]) <= kSameDirection))
-            return false;
-    return true;
-}
-
 void PathGuide::SaveForOthers(StateWriter &out) const { out(kVersion, EffectiveParamsText(params_), view_, *this); }
 
 void PathGuide::LoadOfOther(StateReader &in) {
@@ -122,7 +114,11 @@ void PathGuide::LoadOfOther(StateReader &in) {
     const auto view = in.Value<View>();
     LoadEstimates(in);
     in.RequireEnd();
-    roulette_.UseFor(Size(), IsSame(view, view_));
+    bool isSame = true;  // at any resolution
+    for (size_t i = 0; i < View::kRays; ++i)
+        isSame = isSame && Distance(view.from[i], view_.from[i]) <= kSameDistance * environmentDistance_ &&
+                 Length(view.towards[i] - view_.towards[i]) <= kSameDirection;
+    roulette_.UseFor(Size(), isSame);
     BeginRecording(0, 0);
 }
 

@@ -98,8 +98,6 @@ class PathGuide final : public DirectionSampling {
         std::array<Vector3, kRays> towards{};
     };
     static View ViewOf(const PrepareContext &prepare);
-    /// True if both are the same view, at any resolution.
-    bool IsSame(const View &a, const View &b) const;
     void LoadOfOther(StateReader &in);
     void LoadEstimates(StateReader &in) {
         in(*this);

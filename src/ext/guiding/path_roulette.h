@@ -137,7 +137,7 @@ class PathRoulette {
         pixels.reserve(totals_.Places().size());
         for (size_t i = 0; i < totals_.Places().size(); ++i) pixels.push_back(pixelOf(i));
         EstimatePixels(size, pixels);
-        EstimateCells();
+        if (HasEstimates()) EstimateCells();
     }
     /// In vertices.
     double RecordedCost() const {
@@ -302,7 +302,6 @@ class PathRoulette {
         tree_.Begin(kKinds);
     }
     void EstimateCells() {
-        if (!HasEstimates()) return;
         std::vector<const RouletteRecord *> records;
         for (const RouletteRecord &r : records_.Places())
             if (!r.IsEmpty()) records.push_back(&r);

@@ -36,8 +36,6 @@ Json RunJson(const SamplerResult &s, const RunRecord &run) {
     return json;
 }
 
-std::string PercentWithTenths(double share) { return fmt::format("{:.1f} %", 100 * share); }
-
 }  // namespace
 
 void ShortenFloats(Json *json) {
@@ -126,6 +124,7 @@ std::string TableText(const ExperimentResults &results, const References &refere
                                                    "prep.", "cost", "blocked", "bias"}};
     for (const SamplerResult &s : results.samplers) {
         const Json &summary = s.summary, &overhead = summary.at("overhead");
+        auto percent = [](const Json &v) { return fmt::format("{:.1f} %", 100 * v.get<double>()); };
         auto thousandths = [](const Json &v) { return fmt::format("{:.3f}", v.get<double>()); };
         rows.push_back(
             {s.choice.label, fmt::format("{:.1f}", s.samples), optional(summary.at("seconds"), ""),
@@ -134,8 +133,8 @@ std::string TableText(const ExperimentResults &results, const References &refere
              fmt::format("{:.4g}{}", Get(s.measures, Measure::RelL2Trimmed).mean, s.firefliesDecide ? " !" : ""),
              fmt::format("{:.4g}", summary.at("efficiency").get<double>()), optional(summary.at("speedUp"), "x"),
              optional(summary.at("ratioToOracle"), ""), thousandths(overhead.at("prepassSeconds")),
-             thousandths(overhead.at("buildSeconds")), PercentWithTenths(summary.at("preparationShare")),
-             thousandths(summary.at("relativeCost")), PercentWithTenths(summary.at("blockedShare")),
+             thousandths(overhead.at("buildSeconds")), percent(summary.at("preparationShare")),
+             thousandths(summary.at("relativeCost")), percent(summary.at("blockedShare")),
              BiasVerdictName(s.bias.verdict)});
     }
     std::string text = Align(rows);

@@ -187,6 +187,20 @@ std::string RoundedPercent(double share) {
     return std::abs(share) < 0.995 ? fmt::format("{:.2g} %", 100 * share) : fmt::format("{:.0f} %", 100 * share);
 }
 
+std::string TextOf(const SelectionReport &report) {
+    std::string text = fmt::format("at {} path vertices light selection deviates by {:+.2g} +- {:.1g} %",
+                                   report.vertices, 100 * report.difference, 100 * report.standardError);
+    if (report.worstRegion >= 0)
+        text += fmt::format(", by {:+.2g} % in row {}, column {} of {} x {} regions", 100 * report.worstDifference,
+                            report.worstRegion / kSelectionSide + 1, report.worstRegion % kSelectionSide + 1,
+                            kSelectionSide, kSelectionSide);
+    if (std::isfinite(report.visibleSixteenth))
+        text += fmt::format("; detectable: {} in the whole image, {} in a sixteenth",
+                            RoundedPercent(report.visibleImage), RoundedPercent(report.visibleSixteenth));
+    else text += "; too few of them receive light for a detection limit";
+    return text;
+}
+
 }  // namespace
 
 std::optional<SelectionReport> CheckSelection(const SelectionVertices &vertices, const LightSampler &lights,
@@ -214,24 +228,6 @@ std::optional<SelectionReport> CheckSelection(const SelectionVertices &vertices,
 }
 
 double EffectivePaths(std::span<const VertexFinding> region) { return SumUp(region).Paths(); }
-
-namespace {
-
-std::string TextOf(const SelectionReport &report) {
-    std::string text = fmt::format("at {} path vertices light selection deviates by {:+.2g} +- {:.1g} %",
-                                   report.vertices, 100 * report.difference, 100 * report.standardError);
-    if (report.worstRegion >= 0)
-        text += fmt::format(", by {:+.2g} % in row {}, column {} of {} x {} regions", 100 * report.worstDifference,
-                            report.worstRegion / kSelectionSide + 1, report.worstRegion % kSelectionSide + 1,
-                            kSelectionSide, kSelectionSide);
-    if (std::isfinite(report.visibleSixteenth))
-        text += fmt::format("; detectable: {} in the whole image, {} in a sixteenth",
-                            RoundedPercent(report.visibleImage), RoundedPercent(report.visibleSixteenth));
-    else text += "; too few of them receive light for a detection limit";
-    return text;
-}
-
-}  // namespace
 
 SelectionReport JudgeSelection(std::span<const std::vector<VertexFinding>> regions, const BiasSettings &settings) {
     SelectionReport report;

@@ -71,7 +71,13 @@ class Measurer {
             }
             const auto &[point, bsdf] = walk.Vertex();
             if (IsNonSpecular(bsdf.Flags())) {
-                MeasureOnSurface(path);
+                Measure(
+                    path, ScatteringContextAt(scene_, point, bsdf),
+                    [&](const Vector3 &wi) { return point.MediumTowards(wi); },
+                    [&](const Vector3 &wi) {
+                        const SampledSpectrum f = bsdf.F(point.wo, wi) * AbsDot(wi, point.shading.n);
+                        return ScatteringValue{f, f ? bsdf.Pdf(point.wo, wi) : 0};
+                    });
                 Keep({LightQueryAt(walk.Vertex(), lambda, depth), bsdf, {}, lambda, lights_}, out);
             }
             const std::optional<BsdfSample> sample = walk.SampleScattering(rng);
@@ -112,16 +118,6 @@ class Measurer {
             Keep({query, {}, phase, lambda, lights_}, out);
         }
         walk.ScatterInMedium(p, phase.SampleP(-ray.d, rng.Uniform2()).wi);
-    }
-
-    void MeasureOnSurface(Path &path) {
-        const auto &[point, bsdf] = path.walk.Vertex();
-        Measure(
-            path, ScatteringContextAt(scene_, point, bsdf), [&](const Vector3 &wi) { return point.MediumTowards(wi); },
-            [&](const Vector3 &wi) {
-                const SampledSpectrum f = bsdf.F(point.wo, wi) * AbsDot(wi, point.shading.n);
-                return ScatteringValue{f, f ? bsdf.Pdf(point.wo, wi) : 0};
-            });
     }
 
     /// Writes lights_. `from`: receiver of light sampling.

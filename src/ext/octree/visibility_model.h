@@ -96,8 +96,6 @@ class VisibilityModel final : public OnlineModel, public PathObserver {
     /// Allocates record slots for samples from `first` to the next update; frees update state if none is due.
     void BeginRecording(int first);
     void AppendRendered(VisibilityRecords *records, bool inMedium) const;
-    /// Validates the loaded schedule and allocates record slots; returns the error if invalid.
-    std::optional<std::string> ResumeRecording(const PrepareContext &context);
 
     const LightGroups &groups_;
     const LightTree *lights_ = nullptr;

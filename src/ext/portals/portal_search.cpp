@@ -268,38 +268,6 @@ std::vector<Line> SomeOf(std::span<const EnvironmentRay> rays) {
     return lines;
 }
 
-}  // namespace
-
-std::vector<Portal> FindPortals(std::span<const EnvironmentRay> rays, std::span<const Normal3> normals) {
-    std::vector<Line> lines = SomeOf(rays);
-    double left = 0;
-    for (const Line &line : lines) left += line.left ? line.count : 0;
-    const std::vector<Vector3> facings = Facings(normals);
-    std::vector<Portal> portals;
-    while (portals.size() < kMaxPortals && !lines.empty()) {
-        std::vector<Planes::Plane> best(facings.size());
-        ParallelFor(int64_t(facings.size()), 1, [&](int64_t begin, int64_t end) {
-            for (auto i = size_t(begin); i < size_t(end); ++i)
-                best[i] = Planes(FrameOf(facings[i], facings), lines).Best();
-        });
-        const auto most = std::ranges::max_element(best, {}, &Planes::Plane::gain);
-        if (!(most->gain > kSmallestShare * left)) break;
-        const Planes planes(FrameOf(facings[size_t(most - best.begin())], facings), lines);
-        std::vector<Portal> found = planes.Portals(most->height, kSmallestShare * left);
-        if (found.empty()) break;
-        if (portals.size() + found.size() > kMaxPortals) found.resize(kMaxPortals - portals.size());
-        for (Portal &portal : found) portal = AtNarrowest(portal, lines);
-        std::erase_if(lines, [&](const Line &line) {
-            return std::any_of(found.begin(), found.end(),
-                               [&](const Portal &portal) { return portal.IsPassed(line.p, line.d); });
-        });
-        portals.insert(portals.end(), found.begin(), found.end());
-    }
-    return portals;
-}
-
-namespace {
-
 constexpr int kRefiningRays = 8192, kRefiningCells = 48;
 
 /// Portal with refined borders; unchanged if no ray passes it.
@@ -373,6 +341,34 @@ bool LiesIn(const Portal &portal, const Portal &other) {
 }
 
 }  // namespace
+
+std::vector<Portal> FindPortals(std::span<const EnvironmentRay> rays, std::span<const Normal3> normals) {
+    std::vector<Line> lines = SomeOf(rays);
+    double left = 0;
+    for (const Line &line : lines) left += line.left ? line.count : 0;
+    const std::vector<Vector3> facings = Facings(normals);
+    std::vector<Portal> portals;
+    while (portals.size() < kMaxPortals && !lines.empty()) {
+        std::vector<Planes::Plane> best(facings.size());
+        ParallelFor(int64_t(facings.size()), 1, [&](int64_t begin, int64_t end) {
+            for (auto i = size_t(begin); i < size_t(end); ++i)
+                best[i] = Planes(FrameOf(facings[i], facings), lines).Best();
+        });
+        const auto most = std::ranges::max_element(best, {}, &Planes::Plane::gain);
+        if (!(most->gain > kSmallestShare * left)) break;
+        const Planes planes(FrameOf(facings[size_t(most - best.begin())], facings), lines);
+        std::vector<Portal> found = planes.Portals(most->height, kSmallestShare * left);
+        if (found.empty()) break;
+        if (portals.size() + found.size() > kMaxPortals) found.resize(kMaxPortals - portals.size());
+        for (Portal &portal : found) portal = AtNarrowest(portal, lines);
+        std::erase_if(lines, [&](const Line &line) {
+            return std::any_of(found.begin(), found.end(),
+                               [&](const Portal &portal) { return portal.IsPassed(line.p, line.d); });
+        });
+        portals.insert(portals.end(), found.begin(), found.end());
+    }
+    return portals;
+}
 
 std::vector<Portal> RefinePortals(const Scene &scene, std::span<const Portal> portals,
                                   std::span<const PrepassVertex> vertices, int seed) {

@@ -15,16 +15,11 @@
 namespace ext {
 namespace {
 
-/// Decorrelates this prepass from other uses of the seed.
-constexpr uint64_t kStream = 0x7365656eull;
-/// Maximum vertices per path, regardless of the render's maximum.
-constexpr int kMaxDepth = 8;
-/// Outlier limit of a contribution, relative to the mean.
-constexpr double kLargest = 100;
-/// Added to a tile's relative mean before weighting by its inverse square.
-constexpr double kPlain = 0.1;
-/// Limits of the number of paths.
-constexpr double kMinPaths = 8192, kMaxPaths = 1 << 20;
+constexpr uint64_t kStream = 0x7365656eull;  ///< decorrelates this prepass from other uses of the seed
+constexpr int kMaxDepth = 8;                 ///< maximum vertices per path, regardless of the render's maximum
+constexpr double kLargest = 100;             ///< outlier limit of a contribution, relative to the mean
+constexpr double kPlain = 0.1;               ///< added to a tile's relative mean before weighting by its inverse square
+constexpr double kMinPaths = 8192, kMaxPaths = 1 << 20;  ///< limits of the number of paths
 
 struct Sample {
     uint32_t group;

@@ -25,9 +25,8 @@ struct RadianceSample {
     static constexpr uint32_t kNone = ~uint32_t{0};
     Point3 target{};
     double radiance = 0;
-    double perPdf = 0;  ///< 1 / density of its direction (solid angle)
-    /// Set by MakeSourceClusters: mean over samples near the target, including zeros.
-    double meanRadiance = 0;
+    double perPdf = 0;         ///< 1 / density of its direction (solid angle)
+    double meanRadiance = 0;   ///< set by MakeSourceClusters: mean over samples near the target, including zeros
     uint32_t number = 0;       ///< caller's index
     uint32_t cluster = kNone;  ///< set by MakeSourceClusters: index of the cluster that contains the target
 };
@@ -105,7 +104,6 @@ struct GuideRecord {
         archive(p, target, normal, wi, radiance, contribution, pdf, bsdfPdf, beta, bothSides, isGlossy, isOfFirstHalf,
                 unused);
     }
-    /// Empty if valid, else the error.
     std::optional<std::string> Validate() const {
         const auto isFinite = [](const Vector3 &v) { return std::isfinite(v.x + v.y + v.z); };
         const bool isValid = isFinite(p) && isFinite(target) && isFinite(normal) && isFinite(wi) && pdf > 0 &&
@@ -154,7 +152,6 @@ class GuideCells {
     void Clear() { *this = {}; }
     /// After loading, LeavesChanged completes the members that are not saved.
     void Visit(auto &archive) { archive(leaves_, radiances_, clusters_, tree_); }
-    /// Empty if valid, else the error.
     std::optional<std::string> Validate() const {
         if (clusters_.size() > kMaxSourceClusters) return "it has too many clusters";
         if (std::optional<std::string> fault = tree_.ValidateFor(1, leaves_.size())) return fault;
@@ -192,8 +189,7 @@ class GuideCells {
     }
 
   private:
-    /// Additional cost of a guided direction, in vertices.
-    static constexpr Float kGuidedCost = 0.15f;
+    static constexpr Float kGuidedCost = 0.15f;  ///< additional cost of a guided direction, in vertices
     /// Apart from LeafRadiances, as lookups that guide nothing read no radiances.
     struct Leaf {
         // Index 0: BSDFs without a glossy lobe; 1: with one.

@@ -52,7 +52,18 @@ void PathGuide::Prepare(PrepareContext &prepare, int maxDepth) {
     estimatesDirections_ = params_.directions;
     const Bounds3 &bounds = prepare.scene.Bounds();
     environmentDistance_ = bounds.IsEmpty() ? 1 : 10 * Length(bounds.high - bounds.low);
-    view_ = ViewOf(prepare);
+    static constexpr Vector2 kPlaces[View::kRays] = {{0, 0}, {1, 0}, {0, 1}, {1, 1}, {0.5f, 0.5f}};
+    const Point2 low(prepare.pixelBounds.low);
+    const Vector2 size = Point2(prepare.pixelBounds.high) - low;
+    const SampledWavelengths lambda = SampledWavelengths::SampleVisible(0.5f);
+    view_ = {};
+    for (size_t i = 0; i < View::kRays; ++i) {
+        const CameraSample sample{.pFilm = low + kPlaces[i] * size, .pLens = {0.5f, 0.5f}, .time = 0.5f};
+        const std::optional<CameraRay> ray = prepare.camera.GenerateRay(sample, lambda);
+        if (!ray) continue;
+        view_.from[i] = ray->ray.o;
+        view_.towards[i] = ray->ray.d;
+    }
     BeginRecording(0, NextAfter(0));
     // Learned lights contain no guide if the render that saved them had none.
     if (!prepare.learned || prepare.learned->BytesLeft() == 0) return;
@@ -84,22 +95,6 @@ void PathGuide::Save(StateWriter &out) const {
     out(kVersion, first_, next_, *this);
     records_.Save(out);
     roulette_.SaveRecords(out);
-}
-
-PathGuide::View PathGuide::ViewOf(const PrepareContext &prepare) {
-    static constexpr Vector2 kPlaces[View::kRays] = {{0, 0}, {1, 0}, {0, 1}, {1, 1}, {0.5f, 0.5f}};
-    const Point2 low(prepare.pixelBounds.low);
-    const Vector2 size = Point2(prepare.pixelBounds.high) - low;
-    const SampledWavelengths lambda = SampledWavelengths::SampleVisible(0.5f);
-    View view;
-    for (size_t i = 0; i < View::kRays; ++i) {
-        const CameraSample sample{.pFilm = low + kPlaces[i] * size, .pLens = {0.5f, 0.5f}, .time = 0.5f};
-        const std::optional<CameraRay> ray = prepare.camera.GenerateRay(sample, lambda);
-        if (!ray) continue;
-        view.from[i] = ray->ray.o;
-        view.towards[i] = ray->ray.d;
-    }
-    return view;
 }
 
 void PathGuide::SaveForOthers(StateWriter &out) const { out(kVersion, EffectiveParamsText(params_), view_, *this); }

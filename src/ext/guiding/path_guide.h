@@ -78,7 +78,6 @@ class PathGuide final : public DirectionSampling {
 
     /// The estimates, without records.
     void Visit(auto &archive) { archive(estimatesDirections_, cells_, roulette_); }
-    /// Empty if valid, else the error.
     std::optional<std::string> Validate() const {
         return estimatesDirections_ || cells_.Cells() == 0 ? std::nullopt
                                                            : std::optional("it has directions, which are off");
@@ -97,7 +96,6 @@ class PathGuide final : public DirectionSampling {
         std::array<Point3, kRays> from{};
         std::array<Vector3, kRays> towards{};
     };
-    static View ViewOf(const PrepareContext &prepare);
     void LoadOfOther(StateReader &in);
     void LoadEstimates(StateReader &in) {
         in(*this);

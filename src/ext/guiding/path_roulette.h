@@ -59,8 +59,7 @@ class PathRoulette {
   public:
     /// Minimum probability between two next-event estimations: estimates are noisy where light is hard to sample.
     static constexpr Float kMinContinuation = 0.5f;
-    /// k.
-    static constexpr Float kVarianceCorrection = 1.2f;
+    static constexpr Float kVarianceCorrection = 1.2f;  ///< k, for longer blocks of samples
 
     /// Discards all records; allocates `paths` paths with up to `vertices` records each.
     void BeginRecords(size_t paths, size_t vertices) {
@@ -150,7 +149,6 @@ class PathRoulette {
     size_t RecordBytes() const { return records_.Bytes() + totals_.Bytes(); }
 
     void Visit(auto &archive) { archive(cells_, tree_, size_, tile_, tiles_); }
-    /// Empty if valid, else the error.
     std::optional<std::string> Validate() const {
         if (std::optional<std::string> fault = tree_.ValidateFor(kKinds, cells_.size())) return fault;
         if (!HasEstimates())
@@ -182,16 +180,13 @@ class PathRoulette {
     }
 
   private:
-    /// Cells with more records are split.
-    static constexpr std::ptrdiff_t kCellRecords = 1024;
-    /// Weight of the parent cell's estimate, in records.
-    static constexpr double kPriorRecords = 128;
+    static constexpr std::ptrdiff_t kCellRecords = 1024;  ///< cells with more records are split
+    static constexpr double kPriorRecords = 128;          ///< weight of the parent cell's estimate, in records
     /// Outlier limit: maximum share of one record in its cell's second moment.
     static constexpr double kLargestPart = 0.1;
     /// Outlier limit: maximum share of one pixel in the image variance.
     static constexpr double kLargestPixel = 0.01;
-    /// Fraction of the image mean below which errors have less weight.
-    static constexpr double kDark = 0.2;
+    static constexpr double kDark = 0.2;  ///< fraction of the image mean below which errors have less weight
     /// Minimum recorded paths per image tile, if the image has as many.
     static constexpr double kTilePaths = 64;
 

@@ -15,10 +15,9 @@
 #include "pbrt/math/statistics.h"
 
 namespace ext::lab {
+namespace {
 
 namespace fs = std::filesystem;
-
-namespace {
 
 constexpr int kWarmUpSeed = 700003;
 constexpr int kReliableSamples = 4;

@@ -135,14 +135,6 @@ struct Sums {
     /// Number of paths of equal light with the same noise.
     double Paths() const { return lightSquares > 0 ? light * light / lightSquares : 0; }
     double Unjudged() const { return light > 0 ? unjudged / light : 0; }
-    Sums &operator+=(const Sums &o) {
-        light += o.light;
-        excess += o.excess;
-        squares += o.squares;
-        lightSquares += o.lightSquares;
-        unjudged += o.unjudged;
-        return *this;
-    }
 };
 
 Sums SumUp(std::span<const VertexFinding> region) {
@@ -236,9 +228,13 @@ SelectionReport JudgeSelection(std::span<const std::vector<VertexFinding>> regio
     size_t withLight = 0;
     for (const auto &region : regions) {
         report.vertices += std::ranges::count_if(region, [](const VertexFinding &v) { return v.light > 0; });
-        sums.push_back(SumUp(region));
-        whole += sums.back();
-        withLight += sums.back().light > 0;
+        const Sums &s = sums.emplace_back(SumUp(region));
+        whole.light += s.light;
+        whole.excess += s.excess;
+        whole.squares += s.squares;
+        whole.lightSquares += s.lightSquares;
+        whole.unjudged += s.unjudged;
+        withLight += s.light > 0;
     }
     report.difference = whole.Difference();
     report.standardError = whole.StandardError();

@@ -67,8 +67,7 @@ class TileNoise {
   public:
     TileNoise(std::span<const TileMeans> pictures, int channel, const std::vector<double> &weights);
 
-    /// Fewer images often agree by chance where most of the noise is.
-    static constexpr size_t kFew = 4;
+    static constexpr size_t kFew = 4;  ///< fewer images often agree by chance where most of the noise is
 
     size_t Pictures() const { return n_; }
     double Mean(size_t tile) const { return mean_[tile]; }

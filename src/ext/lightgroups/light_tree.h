@@ -83,7 +83,6 @@ class LightTree {
   private:
     class Builder;
     Float EvaluateFarNode(uint32_t node, const LightQuery &query) const;
-    void ChooseBaseCut(std::span<const Float> spread);
 
     std::vector<Range> ranges_;     ///< per node
     std::vector<EmitterRow> rows_;  ///< per near node

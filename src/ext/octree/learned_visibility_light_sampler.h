@@ -34,7 +34,6 @@ class LearnedVisibilityLightSampler : public InteriorLightSampler {
     VisibilityModel model_;
 
   private:
-    double PathsPerPixel(const PrepareContext &context) const;
     void PortalsChanged();
     void Learn(PrepareContext &context, std::span<PrepassVertex> vertices);
     /// Keeps the portals if a trial finds that they reduce the error at equal cost.

@@ -14,8 +14,7 @@ namespace {
 
 /// Sample counts per pixel after which the trees are rebuilt, if at least three times as many samples follow.
 constexpr int kUpdateAfter[] = {1, 4, 16, 64};
-/// Maximum shadow rays of the render recorded between two updates.
-constexpr size_t kMaxRecorded = 400000;
+constexpr size_t kMaxRecorded = 400000;  ///< maximum shadow rays of the render recorded between two updates
 
 }  // namespace
 

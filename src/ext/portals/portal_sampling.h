@@ -23,8 +23,7 @@ namespace ext {
 /// for the remainder; the other half is divided among the portals by G.
 class PortalSampling {
   public:
-    /// Maximum number of environment lights with portals.
-    static constexpr size_t kMaxLights = 4;
+    static constexpr size_t kMaxLights = 4;  ///< maximum number of environment lights with portals
     static constexpr size_t kMaxRegions = EnvironmentPortals::kMax + 1;
     /// Environment rays per prepass vertex and light, with many vertices.
     static constexpr size_t kRaysPerLight = 16;
@@ -99,8 +98,6 @@ class PortalSampling {
     void Use(std::span<const Portal> portals);
     void Evaluate(const LightQuery &query, const Environment &e, Float *g) const;
     bool Learn(PrepareContext &context, std::span<const PrepassVertex> vertices);
-    /// Traces one shadow ray to each region of each light.
-    std::vector<ShadowRay> TraceRegions(PrepareContext &context, const PrepassVertex &vertex, uint64_t seed) const;
 
     const LightTable &lights_;
     bool isOnTrial_, isActive_ = false;

@@ -41,8 +41,7 @@ struct PrepassPath {
     CameraRay start;
 };
 
-/// Side of a prepass tile in pixels.
-constexpr int kPrepassTileSize = 16;
+constexpr int kPrepassTileSize = 16;  ///< side of a prepass tile in pixels
 /// Number of tiles that cover the pixels.
 int64_t PrepassTileCount(const Bounds2i &pixels);
 

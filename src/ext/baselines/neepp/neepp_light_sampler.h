@@ -12,8 +12,7 @@ namespace ext {
 /// equal-area division of the sphere for environment lights. Also stores each light group's targets and their shares.
 class LightTargets {
   public:
-    /// Cells per side of the sphere's equal-area square.
-    static constexpr int kEnvironmentSide = 8;
+    static constexpr int kEnvironmentSide = 8;  ///< cells per side of the sphere's equal-area square
 
     enum class Kind : uint8_t { Voxel, Direction, EnvironmentPart };
     struct Target {

@@ -26,8 +26,7 @@ double Gain(double p, double r) {
     return p * p * p * (p * p * p - 3 * p * r * r + 4 * r * r * r) / (d * d * d);
 }
 
-/// Decorrelates this sampler from other uses of the seed.
-constexpr uint64_t kStream = 0x6f7261636c65ull;
+constexpr uint64_t kStream = 0x6f7261636c65ull;  ///< decorrelates this sampler from other uses of the seed
 
 /// f cos towards wi, and the BSDF sampling density there.
 struct Scattered {

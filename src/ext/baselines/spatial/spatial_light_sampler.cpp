@@ -12,8 +12,7 @@
 
 namespace ext {
 namespace {
-/// Decorrelates the shifts from other uses of the seed.
-constexpr uint64_t kStream = 0x7370617469616cull;
+constexpr uint64_t kStream = 0x7370617469616cull;  ///< decorrelates the shifts from other uses of the seed
 
 Float Shifted(Float u, Float shift) {
     Float v = u + shift;

@@ -41,8 +41,7 @@ inline constexpr size_t kMaxSourceClusters = 64;
 std::vector<SourceCluster> MakeSourceClusters(std::span<RadianceSample> samples, std::span<const Point3> from,
                                               size_t bounces);
 
-/// One value per cluster; 0 past the last.
-using PerSourceCluster = std::array<Float, kMaxSourceClusters>;
+using PerSourceCluster = std::array<Float, kMaxSourceClusters>;  ///< one value per cluster; 0 past the last
 
 struct SourceClusters {
     SourceClusters() = default;
@@ -65,12 +64,10 @@ class GuideDirections {
     /// that scatters light; `bothSides`: both sides do.
     void Prepare(const SourceClusters &clusters, const PerSourceCluster &radiances, const Point3 &p, const Vector3 &n,
                  bool bothSides);
-    /// False if all densities are 0.
-    bool IsUsable() const { return isUsable_; }
+    bool IsUsable() const { return isUsable_; }  ///< false if all densities are 0
     /// Samples a direction, possibly below the surface.
     Vector3 Sample(const Point2 &u) const;
-    /// Density (solid angle); 0 if not usable.
-    Float Pdf(const Vector3 &w) const;
+    Float Pdf(const Vector3 &w) const;  ///< density (solid angle); 0 if not usable
 
   private:
     bool isUsable_ = false;

@@ -17,8 +17,7 @@ namespace {
 constexpr int kUpdateAfter[] = {2, 4, 16};
 /// Records at most one in this many of the image's paths per update, as recording costs time.
 constexpr size_t kPathsPerRecorded = 32;
-/// Small images record up to twice as many paths, but at most this many.
-constexpr size_t kEnoughPaths = 16384;
+constexpr size_t kEnoughPaths = 16384;  ///< small images record up to twice as many paths, but at most this many
 /// The first estimate of PathGuide::SavedShare has few records and may be far too low. Directional guiding is disabled
 /// below this fraction of GuideParams::minSaved, unless no update follows.
 constexpr double kMinFirstSaving = 0.16;
@@ -27,15 +26,13 @@ constexpr size_t kFirstStride = 4;
 /// Selects one in `stride` paths, in pairs of the two halves.
 bool IsUsed(size_t path, size_t stride) { return path / 2 % stride == 0; }
 constexpr int kMaxVertices = 5;
-/// Throughput at which PathGuide::Inspect shows the continuation probability.
-constexpr Float kInspectedWeight = 0.5f;
+constexpr Float kInspectedWeight = 0.5f;  ///< throughput at which PathGuide::Inspect shows the continuation probability
 
 /// Tolerances for equal views. kSameDistance: distance of ray origins, relative to PathGuide::EnvironmentDistance (a
 /// thousandth of the scene). kSameDirection: distance of unit directions.
 constexpr Float kSameDistance = 1e-4f, kSameDirection = 0.02f;
 
-/// Incremented whenever the output of PathGuide::Save or SaveForOthers changes.
-constexpr uint32_t kVersion = 13;
+constexpr uint32_t kVersion = 13;  ///< incremented whenever the output of PathGuide::Save or SaveForOthers changes
 
 }  // namespace
 

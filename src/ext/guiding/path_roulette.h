@@ -85,8 +85,7 @@ class PathRoulette {
     }
     static constexpr uint32_t kInMedium = 12, kKinds = 13;
 
-    /// True after Learn with enough records.
-    bool HasEstimates() const { return !tree_.IsEmpty(); }
+    bool HasEstimates() const { return !tree_.IsEmpty(); }  ///< true after Learn with enough records
     /// k sqrt(M / C) on arrival and after next-event estimation; negative: no estimate.
     struct Cell {
         Float here = -1, onwards = -1;
@@ -136,7 +135,18 @@ class PathRoulette {
         pixels.reserve(totals_.Places().size());
         for (size_t i = 0; i < totals_.Places().size(); ++i) pixels.push_back(pixelOf(i));
         EstimatePixels(size, pixels);
-        if (HasEstimates()) EstimateCells();
+        if (!HasEstimates()) return;
+        std::vector<const RouletteRecord *> records;
+        for (const RouletteRecord &r : records_.Places())
+            if (!r.IsEmpty()) records.push_back(&r);
+        std::stable_sort(records.begin(), records.end(),
+                         [](const auto *a, const auto *b) { return a->kind < b->kind; });
+        const RouletteRecord **begin = records.data(), **end = begin + records.size();
+        for (uint32_t kind = 0; kind < kKinds; ++kind) {
+            const RouletteRecord **const last = std::find_if(begin, end, [&](const auto *r) { return r->kind > kind; });
+            Divide(kind, begin, last, {});
+            begin = last;
+        }
     }
     /// In vertices.
     double RecordedCost() const {
@@ -184,11 +194,9 @@ class PathRoulette {
     static constexpr double kPriorRecords = 128;          ///< weight of the parent cell's estimate, in records
     /// Outlier limit: maximum share of one record in its cell's second moment.
     static constexpr double kLargestPart = 0.1;
-    /// Outlier limit: maximum share of one pixel in the image variance.
-    static constexpr double kLargestPixel = 0.01;
-    static constexpr double kDark = 0.2;  ///< fraction of the image mean below which errors have less weight
-    /// Minimum recorded paths per image tile, if the image has as many.
-    static constexpr double kTilePaths = 64;
+    static constexpr double kLargestPixel = 0.01;  ///< outlier limit: maximum share of one pixel in the image variance
+    static constexpr double kDark = 0.2;           ///< fraction of the image mean below which errors have less weight
+    static constexpr double kTilePaths = 64;       ///< minimum recorded paths per image tile, if the image has as many
 
     struct Moments {
         double squares = 0, cost = 0;
@@ -295,19 +303,6 @@ class PathRoulette {
         tiles_.resize(radiance.size());
         for (size_t i = 0; i < radiance.size(); ++i) tiles_[i] = Float(scale / radiance[i]);
         tree_.Begin(kKinds);
-    }
-    void EstimateCells() {
-        std::vector<const RouletteRecord *> records;
-        for (const RouletteRecord &r : records_.Places())
-            if (!r.IsEmpty()) records.push_back(&r);
-        std::stable_sort(records.begin(), records.end(),
-                         [](const auto *a, const auto *b) { return a->kind < b->kind; });
-        const RouletteRecord **begin = records.data(), **end = begin + records.size();
-        for (uint32_t kind = 0; kind < kKinds; ++kind) {
-            const RouletteRecord **const last = std::find_if(begin, end, [&](const auto *r) { return r->kind > kind; });
-            Divide(kind, begin, last, {});
-            begin = last;
-        }
     }
     void Divide(size_t node, const RouletteRecord **begin, const RouletteRecord **end, const Estimate &prior) {
         const std::ptrdiff_t count = end - begin;

@@ -17,23 +17,22 @@ Json ParametersOf(const RunRecord &run) {
 }
 
 Json RunJson(const SamplerResult &s, const RunRecord &run) {
-    Json json;
-    json["seed"] = run.seed;
-    json["image"] = fmt::format("{}/seed{}.exr", s.choice.folder, run.seed);
-    json["expectedSamples"] = run.expectedSamples;
-    json["prepareSeconds"] = run.prepare.wall;
-    json["prepareCpuSeconds"] = run.prepare.cpu;
-    json["prepareShadowRays"] = run.prepareShadowRays;
-    json["shadowRays"] = run.rounds.back().shadowRays;
-    json["shadowRaysBlocked"] = run.rounds.back().shadowRaysBlocked;
-    json["rounds"] = Json::array();
+    Json rounds = Json::array();
     for (const RoundRecord &r : run.rounds)
-        json["rounds"].push_back({{"checkpoint", r.checkpoint},
-                                  {"samples", r.samples},
-                                  {"seconds", r.spent.wall},
-                                  {"cpuSeconds", r.spent.cpu},
-                                  {"metrics", ToJson(r.measures)}});
-    return json;
+        rounds.push_back({{"checkpoint", r.checkpoint},
+                          {"samples", r.samples},
+                          {"seconds", r.spent.wall},
+                          {"cpuSeconds", r.spent.cpu},
+                          {"metrics", ToJson(r.measures)}});
+    return {{"seed", run.seed},
+            {"image", fmt::format("{}/seed{}.exr", s.choice.folder, run.seed)},
+            {"expectedSamples", run.expectedSamples},
+            {"prepareSeconds", run.prepare.wall},
+            {"prepareCpuSeconds", run.prepare.cpu},
+            {"prepareShadowRays", run.prepareShadowRays},
+            {"shadowRays", run.rounds.back().shadowRays},
+            {"shadowRaysBlocked", run.rounds.back().shadowRaysBlocked},
+            {"rounds", rounds}};
 }
 
 }  // namespace

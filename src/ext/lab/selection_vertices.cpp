@@ -23,9 +23,7 @@ constexpr Float kAllInMedium = 8;        ///< vertices in media up to this depth
 /// Traces paths as in the render and measures the lights at their vertices.
 class Measurer {
   public:
-    Measurer(const BuiltScene &built)
-        : built_(built), scene_(*built.scene), context_{*built.scene, *built.camera, built.samplesPerPixel, true},
-          stride_((scene_.Lights().Size() + kMaxMeasured - 1) / kMaxMeasured) {}
+    explicit Measurer(const BuiltScene &built) : built_(built) {}
 
     void Follow(Point2i low, Point2i high, uint64_t stream, std::vector<SelectionVertices::Vertex> &out) {
         Rng rng(stream);
@@ -146,9 +144,9 @@ class Measurer {
     }
 
     const BuiltScene &built_;
-    const Scene &scene_;
-    PathContext context_;
-    size_t stride_;
+    const Scene &scene_ = *built_.scene;
+    PathContext context_{scene_, *built_.camera, built_.samplesPerPixel, true};
+    size_t stride_ = (scene_.Lights().Size() + kMaxMeasured - 1) / kMaxMeasured;
     std::vector<SelectionVertices::MeasuredLight> lights_;
 };
 

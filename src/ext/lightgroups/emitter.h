@@ -78,14 +78,12 @@ struct alignas(32) EmitterPacket {
     void Evaluate(const LightQuery &query, Float *out) const { EvaluateAll(this, 1, query, out); }
     /// Writes G of all lanes of `count` consecutive packets and returns the sum.
     static Float EvaluateAll(const EmitterPacket *packets, size_t count, const LightQuery &query, Float *out);
-    /// Sum of the output of Evaluate; `g` is aligned like packets.
-    static Float Sum(const Float *g);
+    static Float Sum(const Float *g);  ///< sum of the output of Evaluate; `g` is aligned like packets
 };
 /// Fills `packet` with `count` <= 8 rows; clears the other lanes.
 void Gather(const EmitterRow *rows, const uint32_t *names, size_t count, EmitterPacket *packet);
 
-/// G of an emitter at infinity.
-Float EvaluateFar(const Emitter &far, const LightQuery &query);
+Float EvaluateFar(const Emitter &far, const LightQuery &query);  ///< G of an emitter at infinity
 struct FarEmitter {
     uint32_t index;  ///< in the list of emitters
     Emitter emitter;

@@ -47,10 +47,8 @@ class LazyRows {
 
     size_t Size() const { return count_; }
     size_t Filled() const { return filled_.load(); }
-    /// Rows discarded because another thread published first.
-    size_t Discarded() const { return discarded_.load(); }
-    /// CPU time in `fill`, summed over threads.
-    double FillThreadSeconds() const { return seconds_.load(); }
+    size_t Discarded() const { return discarded_.load(); }  ///< rows discarded because another thread published first
+    double FillThreadSeconds() const { return seconds_.load(); }  ///< CPU time in `fill`, summed over threads
     size_t Bytes() const { return count_ * sizeof(T *) + Filled() * length_ * sizeof(T); }
     /// Adds times and numbers of rows that are voxels to a light sampler's report.
     void Report(auto &report, double prepareSeconds) const {

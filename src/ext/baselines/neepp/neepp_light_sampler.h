@@ -38,10 +38,8 @@ class LightTargets {
         return {shares_.data() + first_[group], shares_.data() + first_[group + 1]};
     }
 
-    /// Cell of the sphere that contains the unit vector w.
-    static uint32_t EnvironmentPartOf(const Vector3 &w);
-    /// Unit vector in a cell of the sphere; u in [0, 1)^2.
-    static Vector3 DirectionIn(uint32_t part, const Point2 &u);
+    static uint32_t EnvironmentPartOf(const Vector3 &w);         ///< cell of the sphere that contains the unit vector w
+    static Vector3 DirectionIn(uint32_t part, const Point2 &u);  ///< unit vector in a cell of the sphere; u in [0, 1)^2
     size_t Bytes() const;
 
   private:

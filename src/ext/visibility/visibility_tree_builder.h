@@ -267,9 +267,8 @@ class VisibilityTreeBuilder {
                 }
                 // A split is kept if its gain exceeds both pruneGain of the loss and the noise.
                 const double gain = here - below;
-                bool keep =
-                    node.firstChild != 0 && gain > double(settings_.pruneGain) * here && gain > std::sqrt(squares);
-                if (keep) return;
+                if (node.firstChild != 0 && gain > double(settings_.pruneGain) * here && gain > std::sqrt(squares))
+                    return;
                 node.pruned = true;
                 std::copy(loss.begin(), loss.end(), best.begin() + node.begin);
             });

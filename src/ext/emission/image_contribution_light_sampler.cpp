@@ -15,16 +15,11 @@
 namespace ext {
 namespace {
 
-/// Decorrelates this prepass from other uses of the seed.
-constexpr uint64_t kStream = 0x7365656eull;
-/// Maximum vertices per path, regardless of the render's maximum.
-constexpr int kMaxDepth = 8;
-/// Outlier limit of a contribution, relative to the mean.
-constexpr double kLargest = 100;
-/// Added to a tile's relative mean before weighting by its inverse square.
-constexpr double kPlain = 0.1;
-/// Limits of the number of paths.
-constexpr double kMinPaths = 8192, kMaxPaths = 1 << 20;
+constexpr uint64_t kStream = 0x7365656eull;  ///< decorrelates this prepass from other uses of the seed
+constexpr int kMaxDepth = 8;                 ///< maximum vertices per path, regardless of the render's maximum
+constexpr double kLargest = 100;             ///< outlier limit of a contribution, relative to the mean
+constexpr double kPlain = 0.1;               ///< added to a tile's relative mean before weighting by its inverse square
+constexpr double kMinPaths = 8192, kMaxPaths = 1 << 20;  ///< limits of the number of paths
 
 struct Sample {
     uint32_t group;
@@ -55,7 +50,9 @@ class ContributionPath {
   private:
     void AddEmission(PathWalk::Met met) {
         walk_.ForEachEmission(lambda_, [&](const SampledSpectrum &Le, LightId id, const Point3 &p, const Normal3 &n) {
-            Hit(weights_.beta * Le, id, met == PathWalk::Met::Nothing, walk_.GetRay().d, p, n);
+            const bool isInfinite = met == PathWalk::Met::Nothing;
+            const Float pLight = pdf_ > 0 ? last_.LightPdf(scene_.Lights(), id, isInfinite, walk_.GetRay().d, p, n) : 0;
+            Add(weights_.beta * Le * (pLight > 0 ? PowerHeuristic(pdf_, pLight) : Float(1)), id, weights_.ru);
         });
     }
 
@@ -123,12 +120,6 @@ class ContributionPath {
         SampledSpectrum L = weights_.beta * light->F() * light->sample.L / light->Pdf() * light->through.value;
         if (!light->isDelta) L *= PowerHeuristic(light->Pdf(), pdf(light->sample.wi));
         Add(L, light->chosen.light, weights_.ru * light->through.rl);
-    }
-
-    void Hit(const SampledSpectrum &L, LightId light, bool isInfinite, const Vector3 &wi, const Point3 &p,
-             const Normal3 &n) {
-        const Float pLight = pdf_ > 0 ? last_.LightPdf(scene_.Lights(), light, isInfinite, wi, p, n) : 0;
-        Add(L * (pLight > 0 ? PowerHeuristic(pdf_, pLight) : Float(1)), light, weights_.ru);
     }
 
     const Scene &scene_;

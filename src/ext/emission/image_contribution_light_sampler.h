@@ -14,7 +14,6 @@ struct ImageContribution {
     int count = 0;  ///< number of non-zero contributions
 };
 
-/// Parameters of the light sampler "seen".
 struct ImageContributionParams {
     Float floor = 0.25f;
     Float budget = 0.01f;

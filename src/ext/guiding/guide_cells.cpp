@@ -8,21 +8,16 @@
 namespace ext {
 namespace {
 
-/// Cells with more records of positive contribution are split.
-constexpr size_t kCellRecords = 256;
-/// Outlier limit: maximum share of one record in a second moment.
-constexpr double kLargestPart = 0.1;
+constexpr size_t kCellRecords = 256;  ///< cells with more records of positive contribution are split
+constexpr double kLargestPart = 0.1;  ///< outlier limit: maximum share of one record in a second moment
 /// Weight of the parent cell's radiance estimate for a cluster, in samples.
 constexpr double kPriorSamples = 3;
 /// Groups of GuideDirections::kLanes clusters are left out of a cell if BSDF sampling suffices for them: with density
 /// 1/Pi (solid angle), their second moment is at most this part of the squared flux, the smallest moment of all.
 constexpr double kMaxOmitted = 0.02;
-/// Vertices per cell over which cluster solid angles are averaged.
-constexpr size_t kCellPlaces = 32;
-/// Approximate number of vertices passed to MakeSourceClusters.
-constexpr size_t kFrom = 1024;
-/// Minimum number of records for a guiding probability.
-constexpr size_t kMinTests = 32;
+constexpr size_t kCellPlaces = 32;  ///< vertices per cell over which cluster solid angles are averaged
+constexpr size_t kFrom = 1024;      ///< approximate number of vertices passed to MakeSourceClusters
+constexpr size_t kMinTests = 32;    ///< minimum number of records for a guiding probability
 /// Weight of the parent cell's estimate of the guiding probability, in scattering events.
 constexpr double kPriorBounces = 2048;
 /// Minimum relative reduction of the second moment: smaller gains occur by chance, even under uniform illumination.
@@ -65,8 +60,7 @@ class GuideCellsBuilder {
     }
 
   private:
-    /// The two halves of the records, and their union.
-    static constexpr size_t kAll = 2, kParts = 3;
+    static constexpr size_t kAll = 2, kParts = 3;  ///< the two halves of the records, and their union
     struct Entry {
         const GuideRecord *record;
         double counts = 0;  ///< weight of its square: mean radiance from its direction over its own
@@ -275,7 +269,15 @@ class GuideCellsBuilder {
                 ++samples[cluster];
             }
             std::vector<double> angles(count);
-            FindSolidAngles(task, targets, angles);
+            const size_t step = std::max<size_t>(1, task.bounces / kCellPlaces);
+            size_t places = 0;
+            for (size_t i = 0; i < task.bounces; i += step, ++places) {
+                const GuideRecord &r = places_[bounces_[task.firstBounce + i]];
+                for (size_t k = 0; k < count; ++k)
+                    angles[k] += double(SolidAngleOf(targets[k], r.p, r.normal, r.bothSides));
+            }
+            for (double &angle : angles)
+                if (places > 0) angle /= double(places);
             double &ofPart = sums.events[node];
             for (size_t i = 0; i < task.bounces; ++i) ofPart += IsOf(places_[bounces_[task.firstBounce + i]], part);
             for (size_t k = 0; k < count; ++k) e[k] = ofPart * double(targets[k].radiance) * angles[k];
@@ -283,18 +285,6 @@ class GuideCellsBuilder {
         for (size_t k = 0; k < count; ++k)
             if (samples[k] > 0) sums.meanSample[k] /= samples[k];
         return sums;
-    }
-
-    void FindSolidAngles(const Task &task, std::span<const SourceCluster> targets, std::span<double> angles) const {
-        const size_t step = std::max<size_t>(1, task.bounces / kCellPlaces);
-        size_t places = 0;
-        for (size_t i = 0; i < task.bounces; i += step, ++places) {
-            const GuideRecord &r = places_[bounces_[task.firstBounce + i]];
-            for (size_t k = 0; k < targets.size(); ++k)
-                angles[k] += double(SolidAngleOf(targets[k], r.p, r.normal, r.bothSides));
-        }
-        for (double &angle : angles)
-            if (places > 0) angle /= double(places);
     }
 
     Float ProbabilityAt(size_t k) const { return largestProbability_ * Float(k) / (kProbabilities - 1); }

@@ -25,9 +25,8 @@ struct RadianceSample {
     static constexpr uint32_t kNone = ~uint32_t{0};
     Point3 target{};
     double radiance = 0;
-    double perPdf = 0;  ///< 1 / density of its direction (solid angle)
-    /// Set by MakeSourceClusters: mean over samples near the target, including zeros.
-    double meanRadiance = 0;
+    double perPdf = 0;         ///< 1 / density of its direction (solid angle)
+    double meanRadiance = 0;   ///< set by MakeSourceClusters: mean over samples near the target, including zeros
     uint32_t number = 0;       ///< caller's index
     uint32_t cluster = kNone;  ///< set by MakeSourceClusters: index of the cluster that contains the target
 };
@@ -42,8 +41,7 @@ inline constexpr size_t kMaxSourceClusters = 64;
 std::vector<SourceCluster> MakeSourceClusters(std::span<RadianceSample> samples, std::span<const Point3> from,
                                               size_t bounces);
 
-/// One value per cluster; 0 past the last.
-using PerSourceCluster = std::array<Float, kMaxSourceClusters>;
+using PerSourceCluster = std::array<Float, kMaxSourceClusters>;  ///< one value per cluster; 0 past the last
 
 struct SourceClusters {
     SourceClusters() = default;
@@ -66,12 +64,10 @@ class GuideDirections {
     /// that scatters light; `bothSides`: both sides do.
     void Prepare(const SourceClusters &clusters, const PerSourceCluster &radiances, const Point3 &p, const Vector3 &n,
                  bool bothSides);
-    /// False if all densities are 0.
-    bool IsUsable() const { return isUsable_; }
+    bool IsUsable() const { return isUsable_; }  ///< false if all densities are 0
     /// Samples a direction, possibly below the surface.
     Vector3 Sample(const Point2 &u) const;
-    /// Density (solid angle); 0 if not usable.
-    Float Pdf(const Vector3 &w) const;
+    Float Pdf(const Vector3 &w) const;  ///< density (solid angle); 0 if not usable
 
   private:
     bool isUsable_ = false;
@@ -105,7 +101,6 @@ struct GuideRecord {
         archive(p, target, normal, wi, radiance, contribution, pdf, bsdfPdf, beta, bothSides, isGlossy, isOfFirstHalf,
                 unused);
     }
-    /// Empty if valid, else the error.
     std::optional<std::string> Validate() const {
         const auto isFinite = [](const Vector3 &v) { return std::isfinite(v.x + v.y + v.z); };
         const bool isValid = isFinite(p) && isFinite(target) && isFinite(normal) && isFinite(wi) && pdf > 0 &&
@@ -154,7 +149,6 @@ class GuideCells {
     void Clear() { *this = {}; }
     /// After loading, LeavesChanged completes the members that are not saved.
     void Visit(auto &archive) { archive(leaves_, radiances_, clusters_, tree_); }
-    /// Empty if valid, else the error.
     std::optional<std::string> Validate() const {
         if (clusters_.size() > kMaxSourceClusters) return "it has too many clusters";
         if (std::optional<std::string> fault = tree_.ValidateFor(1, leaves_.size())) return fault;
@@ -192,8 +186,7 @@ class GuideCells {
     }
 
   private:
-    /// Additional cost of a guided direction, in vertices.
-    static constexpr Float kGuidedCost = 0.15f;
+    static constexpr Float kGuidedCost = 0.15f;  ///< additional cost of a guided direction, in vertices
     /// Apart from LeafRadiances, as lookups that guide nothing read no radiances.
     struct Leaf {
         // Index 0: BSDFs without a glossy lobe; 1: with one.

@@ -1,15 +1,6 @@
 #include "ext/guiding/guided_directions.h"
 
 namespace ext {
-namespace {
-
-/// Requests the cache lines of a cell's radiances.
-void Prefetch(const PerSourceCluster &values) {
-    constexpr size_t kPerLine = 64 / sizeof(Float);
-    for (size_t k = 0; k < values.size(); k += kPerLine) __builtin_prefetch(&values[k]);
-}
-
-}  // namespace
 
 void GuidedDirections::PrepareDirections(const PathVertex &vertex, const SampledSpectrum &beta) {
     const auto &[point, bsdf] = vertex;
@@ -30,7 +21,8 @@ void GuidedDirections::PrepareDirections(const PathVertex &vertex, const Sampled
     unprepared_ = guide_.Cells().At(point.p, isGlossy_, importance, &probability);
     if (!unprepared_) return;
     guidingProbability_ = probability;
-    Prefetch(*unprepared_);
+    constexpr size_t kPerCacheLine = 64 / sizeof(Float);
+    for (size_t k = 0; k < unprepared_->size(); k += kPerCacheLine) __builtin_prefetch(&(*unprepared_)[k]);
 }
 
 void GuidedDirections::PrepareOnce(const PathVertex &vertex) {
@@ -87,8 +79,9 @@ std::optional<BsdfSample> GuidedDirections::Sample(const PathVertex &vertex, Flo
     return sample;
 }
 
-void GuidedDirections::RecordBounce(const PathVertex &vertex, const BsdfSample &sample, Float pdf,
-                                    const SampledSpectrum &L, const SampledSpectrum &beta) {
+void GuidedDirections::RecordScatter(const PathVertex &vertex, const BsdfSample &sample, Float pdf,
+                                     const SampledSpectrum &L, const SampledSpectrum &beta) {
+    if (!recorder_) return;
     recorder_->FinishSource();
     if (!isGuided_ || !recorder_->HasPlaceForBounce()) return;
     recorder_->AddBounce({.p = vertex.point.p,

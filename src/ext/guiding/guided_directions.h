@@ -52,9 +52,7 @@ class GuidedDirections {
     Float Pdf(const PathVertex &vertex, const Vector3 &wi);
     /// Records a non-specular direction. `pdf`: its density (solid angle); `beta`: throughput after the vertex.
     void RecordScatter(const PathVertex &vertex, const BsdfSample &sample, Float pdf, const SampledSpectrum &L,
-                       const SampledSpectrum &beta) {
-        if (recorder_) RecordBounce(vertex, sample, pdf, L, beta);
-    }
+                       const SampledSpectrum &beta);
     /// Ends the path and its records. `L`: total radiance.
     void End(const SampledSpectrum &L) {
         if (recorder_) recorder_->End(L);
@@ -65,8 +63,6 @@ class GuidedDirections {
     /// the work, and light sampling overlaps the cache misses of the cell.
     void PrepareOnce(const PathVertex &vertex);
     Float ContinuationProbabilityIn(const PathRoulette::Cell &cell, Float beta);
-    void RecordBounce(const PathVertex &vertex, const BsdfSample &sample, Float pdf, const SampledSpectrum &L,
-                      const SampledSpectrum &beta);
 
     PathGuide &guide_;
     PathRoulette *roulette_;  ///< may be null

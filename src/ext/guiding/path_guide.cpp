@@ -17,8 +17,7 @@ namespace {
 constexpr int kUpdateAfter[] = {2, 4, 16};
 /// Records at most one in this many of the image's paths per update, as recording costs time.
 constexpr size_t kPathsPerRecorded = 32;
-/// Small images record up to twice as many paths, but at most this many.
-constexpr size_t kEnoughPaths = 16384;
+constexpr size_t kEnoughPaths = 16384;  ///< small images record up to twice as many paths, but at most this many
 /// The first estimate of PathGuide::SavedShare has few records and may be far too low. Directional guiding is disabled
 /// below this fraction of GuideParams::minSaved, unless no update follows.
 constexpr double kMinFirstSaving = 0.16;
@@ -27,15 +26,13 @@ constexpr size_t kFirstStride = 4;
 /// Selects one in `stride` paths, in pairs of the two halves.
 bool IsUsed(size_t path, size_t stride) { return path / 2 % stride == 0; }
 constexpr int kMaxVertices = 5;
-/// Throughput at which PathGuide::Inspect shows the continuation probability.
-constexpr Float kInspectedWeight = 0.5f;
+constexpr Float kInspectedWeight = 0.5f;  ///< throughput at which PathGuide::Inspect shows the continuation probability
 
 /// Tolerances for equal views. kSameDistance: distance of ray origins, relative to PathGuide::EnvironmentDistance (a
 /// thousandth of the scene). kSameDirection: distance of unit directions.
 constexpr Float kSameDistance = 1e-4f, kSameDirection = 0.02f;
 
-/// Incremented whenever the output of PathGuide::Save or SaveForOthers changes.
-constexpr uint32_t kVersion = 13;
+constexpr uint32_t kVersion = 13;  ///< incremented whenever the output of PathGuide::Save or SaveForOthers changes
 
 }  // namespace
 
@@ -52,7 +49,18 @@ void PathGuide::Prepare(PrepareContext &prepare, int maxDepth) {
     estimatesDirections_ = params_.directions;
     const Bounds3 &bounds = prepare.scene.Bounds();
     environmentDistance_ = bounds.IsEmpty() ? 1 : 10 * Length(bounds.high - bounds.low);
-    view_ = ViewOf(prepare);
+    static constexpr Vector2 kPlaces[View::kRays] = {{0, 0}, {1, 0}, {0, 1}, {1, 1}, {0.5f, 0.5f}};
+    const Point2 low(prepare.pixelBounds.low);
+    const Vector2 size = Point2(prepare.pixelBounds.high) - low;
+    const SampledWavelengths lambda = SampledWavelengths::SampleVisible(0.5f);
+    view_ = {};
+    for (size_t i = 0; i < View::kRays; ++i) {
+        const CameraSample sample{.pFilm = low + kPlaces[i] * size, .pLens = {0.5f, 0.5f}, .time = 0.5f};
+        const std::optional<CameraRay> ray = prepare.camera.GenerateRay(sample, lambda);
+        if (!ray) continue;
+        view_.from[i] = ray->ray.o;
+        view_.towards[i] = ray->ray.d;
+    }
     BeginRecording(0, NextAfter(0));
     // Learned lights contain no guide if the render that saved them had none.
     if (!prepare.learned || prepare.learned->BytesLeft() == 0) return;
@@ -86,30 +94,6 @@ void PathGuide::Save(StateWriter &out) const {
     roulette_.SaveRecords(out);
 }
 
-PathGuide::View PathGuide::ViewOf(const PrepareContext &prepare) {
-    static constexpr Vector2 kPlaces[View::kRays] = {{0, 0}, {1, 0}, {0, 1}, {1, 1}, {0.5f, 0.5f}};
-    const Point2 low(prepare.pixelBounds.low);
-    const Vector2 size = Point2(prepare.pixelBounds.high) - low;
-    const SampledWavelengths lambda = SampledWavelengths::SampleVisible(0.5f);
-    View view;
-    for (size_t i = 0; i < View::kRays; ++i) {
-        const CameraSample sample{.pFilm = low + kPlaces[i] * size, .pLens = {0.5f, 0.5f}, .time = 0.5f};
-        const std::optional<CameraRay> ray = prepare.camera.GenerateRay(sample, lambda);
-        if (!ray) continue;
-        view.from[i] = ray->ray.o;
-        view.towards[i] = ray->ray.d;
-    }
-    return view;
-}
-
-bool PathGuide::IsSame(const View &a, const View &b) const {
-    for (size_t i = 0; i < View::kRays; ++i)
-        if (!(Distance(a.from[i], b.from[i]) <= kSameDistance * environmentDistance_ &&
-              Length(a.towards[i] - b.towards[i]) <= kSameDirection))
-            return false;
-    return true;
-}
-
 void PathGuide::SaveForOthers(StateWriter &out) const { out(kVersion, EffectiveParamsText(params_), view_, *this); }
 
 void PathGuide::LoadOfOther(StateReader &in) {
@@ -122,7 +106,11 @@ void PathGuide::LoadOfOther(StateReader &in) {
     const auto view = in.Value<View>();
     LoadEstimates(in);
     in.RequireEnd();
-    roulette_.UseFor(Size(), IsSame(view, view_));
+    bool isSame = true;  // at any resolution
+    for (size_t i = 0; i < View::kRays; ++i)
+        isSame = isSame && Distance(view.from[i], view_.from[i]) <= kSameDistance * environmentDistance_ &&
+                 Length(view.towards[i] - view_.towards[i]) <= kSameDirection;
+    roulette_.UseFor(Size(), isSame);
     BeginRecording(0, 0);
 }
 

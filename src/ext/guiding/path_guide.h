@@ -55,8 +55,7 @@ class PathGuide final : public DirectionSampling {
     /// Null: roulette by throughput alone.
     PathRoulette *Roulette() { return params_.roulette ? &roulette_ : nullptr; }
     void Inspect(const PathVertex &vertex, Point2i pixel, std::vector<InspectedValue> &values) const override;
-    /// Pixel relative to the image corner.
-    Point2i InImage(Point2i pixel) const { return pixel - pixels_.low; }
+    Point2i InImage(Point2i pixel) const { return pixel - pixels_.low; }  ///< pixel relative to the image corner
     std::optional<size_t> PathNumber(Point2i pixel, int sample) const { return paths_.NumberOf(pixel, sample); }
     /// Record slots for the bounces of a path; the path stores the range.
     PathObserver::PathPlaces BeginRecords(std::optional<size_t> path) const { return records_.PlacesOf(path); }
@@ -78,7 +77,6 @@ class PathGuide final : public DirectionSampling {
 
     /// The estimates, without records.
     void Visit(auto &archive) { archive(estimatesDirections_, cells_, roulette_); }
-    /// Empty if valid, else the error.
     std::optional<std::string> Validate() const {
         return estimatesDirections_ || cells_.Cells() == 0 ? std::nullopt
                                                            : std::optional("it has directions, which are off");
@@ -97,9 +95,6 @@ class PathGuide final : public DirectionSampling {
         std::array<Point3, kRays> from{};
         std::array<Vector3, kRays> towards{};
     };
-    static View ViewOf(const PrepareContext &prepare);
-    /// True if both are the same view, at any resolution.
-    bool IsSame(const View &a, const View &b) const;
     void LoadOfOther(StateReader &in);
     void LoadEstimates(StateReader &in) {
         in(*this);
@@ -112,10 +107,8 @@ class PathGuide final : public DirectionSampling {
 
     Vector2i Size() const { return pixels_.IsEmpty() ? Vector2i(0) : pixels_.high - pixels_.low; }
     size_t Pixels() const { return size_t(Size().x) * Size().y; }
-    /// Maximum paths recorded between two updates.
-    size_t PathsToRecord() const;
-    /// Samples per pixel at the next update after `first`; 0: none.
-    int NextAfter(int first) const;
+    size_t PathsToRecord() const;    ///< maximum paths recorded between two updates
+    int NextAfter(int first) const;  ///< samples per pixel at the next update after `first`; 0: none
     /// Allocates records for samples [first, next); none if `next` is 0.
     void BeginRecording(int first, int next);
     /// Disables directional guiding if it saves less than this fraction of the path cost.

@@ -42,7 +42,7 @@ void PathRecorder::BeginScattering(const SampledSpectrum &beta, const SampledSpe
     cost_ += PathCost::kBounce;
 }
 
-void PathRecorder::EndBounces(const SampledSpectrum &L) {
+void PathRecorder::End(const SampledSpectrum &L) {
     if (seeksSource_) SetSource(guide_.EnvironmentDistance());
     for (size_t i = 0; i < pendingBounces_; ++i) {
         PendingBounce &open = bounces_[i];
@@ -58,10 +58,6 @@ void PathRecorder::EndBounces(const SampledSpectrum &L) {
             guide_.Record(places_, open.record);
     }
     pendingBounces_ = 0;
-}
-
-void PathRecorder::End(const SampledSpectrum &L) {
-    EndBounces(L);
     if (!roulette_) return;
     for (size_t i = 0; i < std::min(pendingVertices_, roulette_->Vertices()); ++i) {
         const PendingVertex &v = vertices_[i];

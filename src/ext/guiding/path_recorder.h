@@ -57,7 +57,6 @@ class PathRecorder {
 
     /// Sets the source position of the last pending bounce, at this distance.
     void SetSource(Float distance);
-    void EndBounces(const SampledSpectrum &L);
 
     PathGuide &guide_;
     PathRoulette *roulette_;  ///< may be null

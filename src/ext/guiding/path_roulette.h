@@ -59,8 +59,7 @@ class PathRoulette {
   public:
     /// Minimum probability between two next-event estimations: estimates are noisy where light is hard to sample.
     static constexpr Float kMinContinuation = 0.5f;
-    /// k.
-    static constexpr Float kVarianceCorrection = 1.2f;
+    static constexpr Float kVarianceCorrection = 1.2f;  ///< k, for longer blocks of samples
 
     /// Discards all records; allocates `paths` paths with up to `vertices` records each.
     void BeginRecords(size_t paths, size_t vertices) {
@@ -86,8 +85,7 @@ class PathRoulette {
     }
     static constexpr uint32_t kInMedium = 12, kKinds = 13;
 
-    /// True after Learn with enough records.
-    bool HasEstimates() const { return !tree_.IsEmpty(); }
+    bool HasEstimates() const { return !tree_.IsEmpty(); }  ///< true after Learn with enough records
     /// k sqrt(M / C) on arrival and after next-event estimation; negative: no estimate.
     struct Cell {
         Float here = -1, onwards = -1;
@@ -137,7 +135,18 @@ class PathRoulette {
         pixels.reserve(totals_.Places().size());
         for (size_t i = 0; i < totals_.Places().size(); ++i) pixels.push_back(pixelOf(i));
         EstimatePixels(size, pixels);
-        EstimateCells();
+        if (!HasEstimates()) return;
+        std::vector<const RouletteRecord *> records;
+        for (const RouletteRecord &r : records_.Places())
+            if (!r.IsEmpty()) records.push_back(&r);
+        std::stable_sort(records.begin(), records.end(),
+                         [](const auto *a, const auto *b) { return a->kind < b->kind; });
+        const RouletteRecord **begin = records.data(), **end = begin + records.size();
+        for (uint32_t kind = 0; kind < kKinds; ++kind) {
+            const RouletteRecord **const last = std::find_if(begin, end, [&](const auto *r) { return r->kind > kind; });
+            Divide(kind, begin, last, {});
+            begin = last;
+        }
     }
     /// In vertices.
     double RecordedCost() const {
@@ -150,7 +159,6 @@ class PathRoulette {
     size_t RecordBytes() const { return records_.Bytes() + totals_.Bytes(); }
 
     void Visit(auto &archive) { archive(cells_, tree_, size_, tile_, tiles_); }
-    /// Empty if valid, else the error.
     std::optional<std::string> Validate() const {
         if (std::optional<std::string> fault = tree_.ValidateFor(kKinds, cells_.size())) return fault;
         if (!HasEstimates())
@@ -182,18 +190,13 @@ class PathRoulette {
     }
 
   private:
-    /// Cells with more records are split.
-    static constexpr std::ptrdiff_t kCellRecords = 1024;
-    /// Weight of the parent cell's estimate, in records.
-    static constexpr double kPriorRecords = 128;
+    static constexpr std::ptrdiff_t kCellRecords = 1024;  ///< cells with more records are split
+    static constexpr double kPriorRecords = 128;          ///< weight of the parent cell's estimate, in records
     /// Outlier limit: maximum share of one record in its cell's second moment.
     static constexpr double kLargestPart = 0.1;
-    /// Outlier limit: maximum share of one pixel in the image variance.
-    static constexpr double kLargestPixel = 0.01;
-    /// Fraction of the image mean below which errors have less weight.
-    static constexpr double kDark = 0.2;
-    /// Minimum recorded paths per image tile, if the image has as many.
-    static constexpr double kTilePaths = 64;
+    static constexpr double kLargestPixel = 0.01;  ///< outlier limit: maximum share of one pixel in the image variance
+    static constexpr double kDark = 0.2;           ///< fraction of the image mean below which errors have less weight
+    static constexpr double kTilePaths = 64;       ///< minimum recorded paths per image tile, if the image has as many
 
     struct Moments {
         double squares = 0, cost = 0;
@@ -300,20 +303,6 @@ class PathRoulette {
         tiles_.resize(radiance.size());
         for (size_t i = 0; i < radiance.size(); ++i) tiles_[i] = Float(scale / radiance[i]);
         tree_.Begin(kKinds);
-    }
-    void EstimateCells() {
-        if (!HasEstimates()) return;
-        std::vector<const RouletteRecord *> records;
-        for (const RouletteRecord &r : records_.Places())
-            if (!r.IsEmpty()) records.push_back(&r);
-        std::stable_sort(records.begin(), records.end(),
-                         [](const auto *a, const auto *b) { return a->kind < b->kind; });
-        const RouletteRecord **begin = records.data(), **end = begin + records.size();
-        for (uint32_t kind = 0; kind < kKinds; ++kind) {
-            const RouletteRecord **const last = std::find_if(begin, end, [&](const auto *r) { return r->kind > kind; });
-            Divide(kind, begin, last, {});
-            begin = last;
-        }
     }
     void Divide(size_t node, const RouletteRecord **begin, const RouletteRecord **end, const Estimate &prior) {
         const std::ptrdiff_t count = end - begin;

@@ -1,6 +1,5 @@
 #include "ext/guiding/guide_cells.h"
 
-#include <algorithm>
 #include <limits>
 #include <numbers>
 
@@ -15,10 +14,8 @@ namespace {
 constexpr Float kMinSine = 0.0316f;
 constexpr Float kMinSine2 = kMinSine * kMinSine;
 constexpr size_t kMinSamples = 8;
-/// Approximate number of small clusters before merging.
-constexpr size_t kSmallClusters = 256;
-/// Positions over which cluster solid angles are averaged.
-constexpr size_t kPlaces = 128;
+constexpr size_t kSmallClusters = 256;  ///< approximate number of small clusters before merging
+constexpr size_t kPlaces = 128;         ///< positions over which cluster solid angles are averaged
 
 using Ops = SimdOps<GuideDirections::kLanes>;
 using F = Ops::F;

@@ -189,7 +189,9 @@ class Channel {
             const TileNoise::Estimate scatter = Scatter(r, test.difference);
             if (scatter.variance >= estimate.variance) estimate = scatter;
             if (runs < 2) {
-                const double strongest = StrongestDifference(around) / tiles;
+                std::vector<double> differences;
+                ForEachPixel(around, [&](int x, int y) { differences.push_back(Difference(x, y)); });
+                const double strongest = Excess(differences) / tiles;
                 lack = std::max(lack, strongest);
                 surplus = std::max(surplus, strongest);
             }
@@ -239,12 +241,6 @@ class Channel {
     double Difference(int x, int y) const {
         const int t = grid_.Index(x, y);
         return runs_.Mean(t) - parts_.Mean(t);
-    }
-
-    double StrongestDifference(const Bounds2i &r) const {
-        std::vector<double> values;
-        ForEachPixel(r, [&](int x, int y) { values.push_back(Difference(x, y)); });
-        return Excess(values);
     }
 
     TileNoise::Estimate Scatter(const Bounds2i &r, double mean) const {
@@ -316,14 +312,6 @@ std::string Explain(const BiasReport &report, const BiasSettings &settings) {
                        visible);
 }
 
-}  // namespace
-
-const char *BiasVerdictName(BiasVerdict verdict) {
-    return verdict == BiasVerdict::Clean ? "clean" : verdict == BiasVerdict::Biased ? "biased" : "unknown";
-}
-
-namespace {
-
 /// Tests of all regions of all `levels`, each at significance `level`, by channel and level.
 std::vector<RegionTest> TestRegions(std::span<const TileMeans> runs, const BiasReference &reference,
                                     const BiasSettings &settings, std::span<const AuxiliaryRuns> auxiliary,
@@ -348,6 +336,10 @@ std::vector<RegionTest> TestRegions(std::span<const TileMeans> runs, const BiasR
 }
 
 }  // namespace
+
+const char *BiasVerdictName(BiasVerdict verdict) {
+    return verdict == BiasVerdict::Clean ? "clean" : verdict == BiasVerdict::Biased ? "biased" : "unknown";
+}
 
 BiasReport CheckBias(std::span<const TileMeans> runs, const BiasReference &reference, const BiasSettings &settings,
                      std::span<const AuxiliaryRuns> auxiliary) {

@@ -13,10 +13,6 @@ namespace {
 
 constexpr size_t kMaxNamed = 4;  ///< samplers named in a headline
 
-bool Competes(const Contender &c) {
-    return !c.isOracle && c.bias != BiasVerdict::Biased && !c.errors.empty() && std::isfinite(Summarize(c.errors).mean);
-}
-
 /// "0.0123 +- 0.0004".
 std::string ErrorText(const Contender &c) {
     const Summary s = Summarize(c.errors);
@@ -97,7 +93,9 @@ Conclusion Conclude(const std::vector<Contender> &contenders, const std::vector<
 
     std::vector<const Contender *> competing;
     for (const Contender &c : contenders)
-        if (Competes(c)) competing.push_back(&c);
+        if (!c.isOracle && c.bias != BiasVerdict::Biased && !c.errors.empty() &&
+            std::isfinite(Summarize(c.errors).mean))
+            competing.push_back(&c);
     std::ranges::stable_sort(competing, {}, [](const Contender *c) { return Summarize(c->errors).mean; });
     if (competing.empty()) {
         out.headline = "Undecided: no sampler that may win has a measured error.";

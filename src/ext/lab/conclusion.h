@@ -26,14 +26,13 @@ struct Contender {
 
 /// Conclusion of an experiment in sentences, shared by terminal, report.html, table.md and results.json.
 struct Conclusion {
-    std::optional<size_t> winner;      ///< index; empty if any objection applies
-    std::optional<size_t> lowest;      ///< index of the lowest mean error among eligible samplers
-    std::string headline;              ///< lowest error, or "Undecided" and the numbers
-    std::vector<std::string> reasons;  ///< why there is no winner; else empty
-    std::vector<std::string> doubts;   ///< all doubts, including those among the reasons
-    std::vector<std::string> remarks;  ///< additional notes
-    /// Sentences to show: headline, reasons, other doubts, remarks.
-    std::vector<std::string> Sentences() const;
+    std::optional<size_t> winner;                ///< index; empty if any objection applies
+    std::optional<size_t> lowest;                ///< index of the lowest mean error among eligible samplers
+    std::string headline;                        ///< lowest error, or "Undecided" and the numbers
+    std::vector<std::string> reasons;            ///< why there is no winner; else empty
+    std::vector<std::string> doubts;             ///< all doubts, including those among the reasons
+    std::vector<std::string> remarks;            ///< additional notes
+    std::vector<std::string> Sentences() const;  ///< sentences to show: headline, reasons, other doubts, remarks
 };
 
 /// Probability of naming a winner if the best two are equally good. Each lead is tested one-sided at half of it.

@@ -15,10 +15,9 @@
 #include "pbrt/math/statistics.h"
 
 namespace ext::lab {
+namespace {
 
 namespace fs = std::filesystem;
-
-namespace {
 
 constexpr int kWarmUpSeed = 700003;
 constexpr int kReliableSamples = 4;
@@ -71,8 +70,22 @@ class Rounds {
             }
         context_.display.SetPhase("rendering");
         context_.display.SetAfter(0);
-        for (int seed = 0; seed < settings_.seeds; ++seed)
-            if (!RenderSeed(seed)) return false;
+        for (int seed = 0; seed < settings_.seeds; ++seed) {
+            std::vector<std::unique_ptr<SamplerRun>> runs(settings_.samplers.size());
+            for (size_t c = 0; c < checkpoints_.size(); ++c)
+                for (size_t i = 0; i < runs.size(); ++i) {
+                    RunRecord &record = recordsOf_[i][seed];
+                    if (record.rounds.size() > c) continue;
+                    if (!runs[i] && !(runs[i] = Start(i, seed, record))) return false;
+                    if (!RenderTo(i, seed, c, *runs[i])) return false;
+                    record = runs[i]->Record();
+                    if (c + 1 < checkpoints_.size()) continue;
+                    // Not earlier: samplers that learn during rendering would learn from the queries of views and
+                    // check.
+                    if (seed == 0 && !Examine(i, runs[i].get())) return false;
+                    runs[i].reset();
+                }
+        }
         for (size_t i = 0; i < settings_.samplers.size(); ++i)
             if (!Examine(i, nullptr)) return false;
         return true;
@@ -84,23 +97,6 @@ class Rounds {
     }
 
   private:
-    bool RenderSeed(int seed) {
-        std::vector<std::unique_ptr<SamplerRun>> runs(settings_.samplers.size());
-        for (size_t c = 0; c < checkpoints_.size(); ++c)
-            for (size_t i = 0; i < runs.size(); ++i) {
-                RunRecord &record = recordsOf_[i][seed];
-                if (record.rounds.size() > c) continue;
-                if (!runs[i] && !(runs[i] = Start(i, seed, record))) return false;
-                if (!RenderTo(i, seed, c, *runs[i])) return false;
-                record = runs[i]->Record();
-                if (c + 1 < checkpoints_.size()) continue;
-                // Not earlier: samplers that learn during rendering would learn from the queries of views and check.
-                if (seed == 0 && !Examine(i, runs[i].get())) return false;
-                runs[i].reset();
-            }
-        return true;
-    }
-
     /// Inspects a sampler and checks its light selection, after its first run. `run`: that run, or null if finished in
     /// an earlier session. Returns false if cancelled.
     bool Examine(size_t i, SamplerRun *run) { return InspectSampler(i, run) && Check(i, run); }
@@ -241,25 +237,24 @@ class Rounds {
 };
 
 Json Header(const ExperimentSettings &settings, const LabScene &scene, const Json &identity, size_t checkpoints) {
-    Json json;
-    json["schema"] = kResultsSchema;
-    json["scene"] = settings.scene;
-    json["sceneName"] = fs::path(settings.scene).stem().string();
-    json["sceneHash"] = scene.hash;
     const std::string program = VersionText();
     const size_t version = program.find(' ') + 1, end = program.find(" (commit "), commit = end + 9;
-    json["version"] = program.substr(version, end - version);
-    json["commit"] = program.substr(commit, program.size() - commit - 1);
-    json["commandLine"] = settings.commandLine;
-    json["date"] = DateText();
-    json["machine"] = DescribeMachine();
-    json["mode"] = settings.Timed() ? "time" : "samples";
-    json["budget"] = settings.Timed() ? Json(settings.timeBudget) : Json(settings.samplesPerPixel);
-    json["seeds"] = settings.seeds;
-    json["resolution"] = {scene.Resolution().x, scene.Resolution().y};
-    json["maxDepth"] = scene.built.maxDepth;
-    json["direct"] = scene.built.maxDepth == 1;
-    json["settings"] = identity;
+    Json json = {{"schema", kResultsSchema},
+                 {"scene", settings.scene},
+                 {"sceneName", fs::path(settings.scene).stem().string()},
+                 {"sceneHash", scene.hash},
+                 {"version", program.substr(version, end - version)},
+                 {"commit", program.substr(commit, program.size() - commit - 1)},
+                 {"commandLine", settings.commandLine},
+                 {"date", DateText()},
+                 {"machine", DescribeMachine()},
+                 {"mode", settings.Timed() ? "time" : "samples"},
+                 {"budget", settings.Timed() ? Json(settings.timeBudget) : Json(settings.samplesPerPixel)},
+                 {"seeds", settings.seeds},
+                 {"resolution", {scene.Resolution().x, scene.Resolution().y}},
+                 {"maxDepth", scene.built.maxDepth},
+                 {"direct", scene.built.maxDepth == 1},
+                 {"settings", identity}};
     json["settings"]["checkpoints"] = checkpoints;
     json["settings"]["batch"] = scene.Batch();
     return json;

@@ -10,8 +10,7 @@
 namespace ext::lab {
 using namespace pbrt;
 
-/// Flag named in messages about a choice.
-inline constexpr const char *kSamplersFlag = "--samplers";
+inline constexpr const char *kSamplersFlag = "--samplers";  ///< flag named in messages about a choice
 
 /// A compared sampler: kLightChoiceSyntax.
 struct SamplerChoice {
@@ -74,8 +73,7 @@ struct SampleCounts {
     static SampleCounts Read(const std::string &path, const ExperimentSettings &settings);
 };
 
-/// "schema" of results.json, documented in docs/guide/lightlab.md.
-inline constexpr int kResultsSchema = 2;
+inline constexpr int kResultsSchema = 2;  ///< "schema" of results.json, documented in docs/guide/lightlab.md
 /// Reads a results.json to be replayed. Throws UserError.
 Json ReadResults(const std::string &path);
 

@@ -16,10 +16,9 @@
 #include "pbrt/scenefile/parser.h"
 
 namespace ext::lab {
+namespace {
 
 namespace fs = std::filesystem;
-
-namespace {
 
 constexpr size_t kMaxLights = 100;
 constexpr int kLegendRows = 12;

@@ -8,36 +8,6 @@
 
 namespace ext::lab {
 
-Json ToJson(const Measures &measures) {
-    Json json;
-    for (size_t i = 0; i < MeasureCount; ++i) json[MeasureNames[i]] = measures[i];
-    return json;
-}
-
-Measures MeasuresFromJson(const Json &json) {
-    Measures measures;
-    for (size_t i = 0; i < MeasureCount; ++i) {
-        const Json &value = json.at(MeasureNames[i]);
-        measures[i] = value.is_number() ? value.get<double>() : std::numeric_limits<double>::quiet_NaN();
-    }
-    return measures;
-}
-
-Measures MeasuringReference::Compare(const Image &image) const {
-    auto error = [&](Metric metric) { return ImageError(image, reference_, metric); };
-    auto trimmed = [&](Metric metric) { return TrimmedRelL2(image, reference_, 0.001, metric); };
-    return {error(Metric::RelL2),   error(Metric::MSE),      error(Metric::MRSE),
-            error(Metric::MAE),     error(Metric::SMAPE),    flip_.Compare(image),
-            trimmed(Metric::RelL2), error(Metric::RelL2Abs), trimmed(Metric::RelL2Abs)};
-}
-
-Summary Summarize(std::span<const double> values) {
-    RunningMoments moments;
-    for (double v : values) moments.Add(v);
-    const double stdDev = std::sqrt(moments.Variance()), n = double(moments.Count());
-    return {moments.Count(), moments.Mean(), stdDev, n > 1 ? stdDev / std::sqrt(n) : 0};
-}
-
 namespace {
 
 /// P-value of `mean of b > mean of a` for pairs.
@@ -88,6 +58,36 @@ double LogLog(double x, double x0, double y0, double x1, double y1) {
 }
 
 }  // namespace
+
+Json ToJson(const Measures &measures) {
+    Json json;
+    for (size_t i = 0; i < MeasureCount; ++i) json[MeasureNames[i]] = measures[i];
+    return json;
+}
+
+Measures MeasuresFromJson(const Json &json) {
+    Measures measures;
+    for (size_t i = 0; i < MeasureCount; ++i) {
+        const Json &value = json.at(MeasureNames[i]);
+        measures[i] = value.is_number() ? value.get<double>() : std::numeric_limits<double>::quiet_NaN();
+    }
+    return measures;
+}
+
+Measures MeasuringReference::Compare(const Image &image) const {
+    auto error = [&](Metric metric) { return ImageError(image, reference_, metric); };
+    auto trimmed = [&](Metric metric) { return TrimmedRelL2(image, reference_, 0.001, metric); };
+    return {error(Metric::RelL2),   error(Metric::MSE),      error(Metric::MRSE),
+            error(Metric::MAE),     error(Metric::SMAPE),    flip_.Compare(image),
+            trimmed(Metric::RelL2), error(Metric::RelL2Abs), trimmed(Metric::RelL2Abs)};
+}
+
+Summary Summarize(std::span<const double> values) {
+    RunningMoments moments;
+    for (double v : values) moments.Add(v);
+    const double stdDev = std::sqrt(moments.Variance()), n = double(moments.Count());
+    return {moments.Count(), moments.Mean(), stdDev, n > 1 ? stdDev / std::sqrt(n) : 0};
+}
 
 bool LowerBeyondNoise(std::span<const double> a, std::span<const double> b, double level) {
     const Summary sa = Summarize(a), sb = Summarize(b);

@@ -147,12 +147,11 @@ int RunNoise(const ExperimentSettings &settings, const PluginRegistry &registry,
     }
     progress.EndPhase();
 
-    Json json;
-    json["scene"] = settings.scene;
-    json["commandLine"] = settings.commandLine;
-    json["samples"] = settings.samplesPerPixel;
-    json["seeds"] = settings.seeds;
-    json["samplers"] = Json::array();
+    Json json = {{"scene", settings.scene},
+                 {"commandLine", settings.commandLine},
+                 {"samples", settings.samplesPerPixel},
+                 {"seeds", settings.seeds},
+                 {"samplers", Json::array()}};
     std::printf("%-36s", "scattering events");
     for (const int depth : depths) std::printf(" %9d", depth);
     for (size_t i = 0; i < choices.size(); ++i) {

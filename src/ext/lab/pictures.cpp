@@ -13,10 +13,9 @@
 #include "pbrt/images/metrics.h"
 
 namespace ext::lab {
+namespace {
 
 namespace fs = std::filesystem;
-
-namespace {
 
 double Percentile(std::vector<float> values, double share) {
     if (values.empty()) return 0;

@@ -1,4 +1,3 @@
-#include <algorithm>
 #include <cmath>
 
 #include "ext/lab/reference.h"
@@ -90,14 +89,6 @@ double VarianceAgainstOthers(const std::vector<Pilot> &pilots, size_t which, int
     return 2 * samples * sum / area - noise;
 }
 
-Json EntriesJson(const std::vector<PilotEntry> &entries) {
-    Json json = Json::array();
-    for (const PilotEntry &e : entries)
-        json.push_back(
-            {{"sampler", e.choice.label}, {"variance", e.variance}, {"secondsPerSample", e.secondsPerSample}});
-    return json;
-}
-
 /// Entries from an earlier session's note; empty if it does not match.
 std::vector<PilotEntry> FromJson(const Json &json, const std::vector<SamplerChoice> &candidates) {
     std::vector<PilotEntry> entries;
@@ -167,7 +158,11 @@ std::optional<std::vector<PilotEntry>> RunPilot(const ExperimentContext &context
     for (size_t i = 0; i < pilots.size(); ++i)
         entries[i].variance = std::max(between[i], VarianceAgainstOthers(pilots, i, samples, between, epsilon));
     std::ranges::stable_sort(entries, {}, &PilotEntry::variance);
-    records.SaveNote("pilot.json", EntriesJson(entries));
+    Json note = Json::array();
+    for (const PilotEntry &e : entries)
+        note.push_back(
+            {{"sampler", e.choice.label}, {"variance", e.variance}, {"secondsPerSample", e.secondsPerSample}});
+    records.SaveNote("pilot.json", note);
     return entries;
 }
 

@@ -14,10 +14,9 @@
 #include "pbrt/scenefile/content_hash.h"
 
 namespace ext::lab {
+namespace {
 
 namespace fs = std::filesystem;
-
-namespace {
 
 constexpr int kParts = 8;           // seeds of a reference; their scatter estimates its noise (7 degrees of freedom)
 constexpr int kFirstSeed = 800001;  // disjoint from the seeds of runs and pilot
@@ -317,13 +316,10 @@ std::optional<References> MakeReferences(const ExperimentContext &context) {
 }
 
 std::string UserCacheFolder() {
-    auto variable = [](const char *name) {
-        const char *value = std::getenv(name);
-        return fs::path(value ? value : "");
-    };
     // The XDG specification ignores relative paths.
-    if (const fs::path cache = variable("XDG_CACHE_HOME"); cache.is_absolute()) return (cache / "pbrt_octree").string();
-    if (const fs::path home = variable("HOME"); home.is_absolute()) return (home / ".cache" / "pbrt_octree").string();
+    for (const auto &[variable, below] : {std::pair("XDG_CACHE_HOME", "pbrt_octree"), {"HOME", ".cache/pbrt_octree"}})
+        if (const char *value = std::getenv(variable); value && fs::path(value).is_absolute())
+            return (fs::path(value) / below).string();
     return {};
 }
 

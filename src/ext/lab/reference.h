@@ -109,8 +109,7 @@ std::optional<Doubt> Disagreement(const Reference &a, const Reference &b, bool a
 /// cache folder, or in the output folder if that is missing or not writable; never in the scene's folder.
 std::optional<References> MakeReferences(const ExperimentContext &context);
 
-/// $XDG_CACHE_HOME/pbrt_octree, else ~/.cache/pbrt_octree; empty if neither is set.
-std::string UserCacheFolder();
+std::string UserCacheFolder();  ///< $XDG_CACHE_HOME/pbrt_octree, else ~/.cache/pbrt_octree; empty if neither is set
 
 /// Reads R, G, B of the film's pixels from an image that may be larger; without parts and noise. Throws UserError if it
 /// does not cover the film, or says that it is of another scene, path depth or kind of light.

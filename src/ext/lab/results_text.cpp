@@ -17,26 +17,23 @@ Json ParametersOf(const RunRecord &run) {
 }
 
 Json RunJson(const SamplerResult &s, const RunRecord &run) {
-    Json json;
-    json["seed"] = run.seed;
-    json["image"] = fmt::format("{}/seed{}.exr", s.choice.folder, run.seed);
-    json["expectedSamples"] = run.expectedSamples;
-    json["prepareSeconds"] = run.prepare.wall;
-    json["prepareCpuSeconds"] = run.prepare.cpu;
-    json["prepareShadowRays"] = run.prepareShadowRays;
-    json["shadowRays"] = run.rounds.back().shadowRays;
-    json["shadowRaysBlocked"] = run.rounds.back().shadowRaysBlocked;
-    json["rounds"] = Json::array();
+    Json rounds = Json::array();
     for (const RoundRecord &r : run.rounds)
-        json["rounds"].push_back({{"checkpoint", r.checkpoint},
-                                  {"samples", r.samples},
-                                  {"seconds", r.spent.wall},
-                                  {"cpuSeconds", r.spent.cpu},
-                                  {"metrics", ToJson(r.measures)}});
-    return json;
+        rounds.push_back({{"checkpoint", r.checkpoint},
+                          {"samples", r.samples},
+                          {"seconds", r.spent.wall},
+                          {"cpuSeconds", r.spent.cpu},
+                          {"metrics", ToJson(r.measures)}});
+    return {{"seed", run.seed},
+            {"image", fmt::format("{}/seed{}.exr", s.choice.folder, run.seed)},
+            {"expectedSamples", run.expectedSamples},
+            {"prepareSeconds", run.prepare.wall},
+            {"prepareCpuSeconds", run.prepare.cpu},
+            {"prepareShadowRays", run.prepareShadowRays},
+            {"shadowRays", run.rounds.back().shadowRays},
+            {"shadowRaysBlocked", run.rounds.back().shadowRaysBlocked},
+            {"rounds", rounds}};
 }
-
-std::string PercentWithTenths(double share) { return fmt::format("{:.1f} %", 100 * share); }
 
 }  // namespace
 
@@ -126,6 +123,7 @@ std::string TableText(const ExperimentResults &results, const References &refere
                                                    "prep.", "cost", "blocked", "bias"}};
     for (const SamplerResult &s : results.samplers) {
         const Json &summary = s.summary, &overhead = summary.at("overhead");
+        auto percent = [](const Json &v) { return fmt::format("{:.1f} %", 100 * v.get<double>()); };
         auto thousandths = [](const Json &v) { return fmt::format("{:.3f}", v.get<double>()); };
         rows.push_back(
             {s.choice.label, fmt::format("{:.1f}", s.samples), optional(summary.at("seconds"), ""),
@@ -134,8 +132,8 @@ std::string TableText(const ExperimentResults &results, const References &refere
              fmt::format("{:.4g}{}", Get(s.measures, Measure::RelL2Trimmed).mean, s.firefliesDecide ? " !" : ""),
              fmt::format("{:.4g}", summary.at("efficiency").get<double>()), optional(summary.at("speedUp"), "x"),
              optional(summary.at("ratioToOracle"), ""), thousandths(overhead.at("prepassSeconds")),
-             thousandths(overhead.at("buildSeconds")), PercentWithTenths(summary.at("preparationShare")),
-             thousandths(summary.at("relativeCost")), PercentWithTenths(summary.at("blockedShare")),
+             thousandths(overhead.at("buildSeconds")), percent(summary.at("preparationShare")),
+             thousandths(summary.at("relativeCost")), percent(summary.at("blockedShare")),
              BiasVerdictName(s.bias.verdict)});
     }
     std::string text = Align(rows);

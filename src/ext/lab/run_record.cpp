@@ -62,20 +62,19 @@ RunRecord RecordFolder::LoadRun(const std::string &sampler, int seed, size_t max
 
 void RecordFolder::SaveLastRound(const std::string &sampler, const RunRecord &run) const {
     const RoundRecord &round = run.rounds.back();
-    Json json;
-    json["experiment"] = experiment_;
-    json["seed"] = run.seed;
-    json["checkpoint"] = round.checkpoint;
-    json["samples"] = round.samples;
-    json["spent"] = TimesJson(round.spent);
-    json["metrics"] = ToJson(round.measures);
-    json["shadowRays"] = round.shadowRays;
-    json["shadowRaysBlocked"] = round.shadowRaysBlocked;
-    json["expectedSamples"] = run.expectedSamples;
-    json["prepare"] = TimesJson(run.prepare);
-    json["prepareShadowRays"] = run.prepareShadowRays;
-    json["report"] = run.report;
-    json["structure"] = run.structure;
+    const Json json = {{"experiment", experiment_},
+                       {"seed", run.seed},
+                       {"checkpoint", round.checkpoint},
+                       {"samples", round.samples},
+                       {"spent", TimesJson(round.spent)},
+                       {"metrics", ToJson(round.measures)},
+                       {"shadowRays", round.shadowRays},
+                       {"shadowRaysBlocked", round.shadowRaysBlocked},
+                       {"expectedSamples", run.expectedSamples},
+                       {"prepare", TimesJson(run.prepare)},
+                       {"prepareShadowRays", run.prepareShadowRays},
+                       {"report", run.report},
+                       {"structure", run.structure}};
     WriteFile(RoundFile(sampler, run.seed, round.checkpoint), json.dump(1) + "\n");
 }
 

@@ -19,11 +19,6 @@ void LoadFilm(const std::string &file, Film &film) {
     film.Load(in);
 }
 
-bool IsWholeFilm(const std::string &file, const LabScene &scene) {
-    DiagnosticSink ignored;
-    return Collect(ignored, [&] { LoadFilm(file, *scene.built.film->MakeRgbFilm()); });
-}
-
 }  // namespace
 
 SamplerRun::SamplerRun(const LabScene &scene, const SamplerChoice &choice, int seed, int expectedSamples,
@@ -130,7 +125,9 @@ RunRecord TakeUpRun(const RecordFolder &records, const LabScene &scene, const st
     RunRecord run = records.LoadRun(sampler, seed, checkpoints);
     auto canResume = [&](size_t rounds) {
         if (rounds == checkpoints) return IsWholeImage(picture, scene.Resolution());
-        return IsWholeFilm(records.FilmFile(sampler, seed, int(rounds) - 1), scene);
+        DiagnosticSink ignored;
+        const std::string film = records.FilmFile(sampler, seed, int(rounds) - 1);
+        return Collect(ignored, [&] { LoadFilm(film, *scene.built.film->MakeRgbFilm()); });
     };
     size_t kept = run.rounds.size();
     while (kept > 0 && !canResume(kept)) --kept;

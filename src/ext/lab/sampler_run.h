@@ -57,7 +57,6 @@ class SamplerRun {
 RunRecord TakeUpRun(const RecordFolder &records, const LabScene &scene, const std::string &sampler, int seed,
                     size_t checkpoints, const std::string &picture);
 
-/// True if all values are finite.
 bool IsFinite(const Image &picture);
 /// True if the image is readable and has finite R, G and B at this resolution.
 bool IsWholeImage(const std::string &file, Point2i resolution);

@@ -135,14 +135,6 @@ struct Sums {
     /// Number of paths of equal light with the same noise.
     double Paths() const { return lightSquares > 0 ? light * light / lightSquares : 0; }
     double Unjudged() const { return light > 0 ? unjudged / light : 0; }
-    Sums &operator+=(const Sums &o) {
-        light += o.light;
-        excess += o.excess;
-        squares += o.squares;
-        lightSquares += o.lightSquares;
-        unjudged += o.unjudged;
-        return *this;
-    }
 };
 
 Sums SumUp(std::span<const VertexFinding> region) {
@@ -187,6 +179,20 @@ std::string RoundedPercent(double share) {
     return std::abs(share) < 0.995 ? fmt::format("{:.2g} %", 100 * share) : fmt::format("{:.0f} %", 100 * share);
 }
 
+std::string TextOf(const SelectionReport &report) {
+    std::string text = fmt::format("at {} path vertices light selection deviates by {:+.2g} +- {:.1g} %",
+                                   report.vertices, 100 * report.difference, 100 * report.standardError);
+    if (report.worstRegion >= 0)
+        text += fmt::format(", by {:+.2g} % in row {}, column {} of {} x {} regions", 100 * report.worstDifference,
+                            report.worstRegion / kSelectionSide + 1, report.worstRegion % kSelectionSide + 1,
+                            kSelectionSide, kSelectionSide);
+    if (std::isfinite(report.visibleSixteenth))
+        text += fmt::format("; detectable: {} in the whole image, {} in a sixteenth",
+                            RoundedPercent(report.visibleImage), RoundedPercent(report.visibleSixteenth));
+    else text += "; too few of them receive light for a detection limit";
+    return text;
+}
+
 }  // namespace
 
 std::optional<SelectionReport> CheckSelection(const SelectionVertices &vertices, const LightSampler &lights,
@@ -215,24 +221,6 @@ std::optional<SelectionReport> CheckSelection(const SelectionVertices &vertices,
 
 double EffectivePaths(std::span<const VertexFinding> region) { return SumUp(region).Paths(); }
 
-namespace {
-
-std::string TextOf(const SelectionReport &report) {
-    std::string text = fmt::format("at {} path vertices light selection deviates by {:+.2g} +- {:.1g} %",
-                                   report.vertices, 100 * report.difference, 100 * report.standardError);
-    if (report.worstRegion >= 0)
-        text += fmt::format(", by {:+.2g} % in row {}, column {} of {} x {} regions", 100 * report.worstDifference,
-                            report.worstRegion / kSelectionSide + 1, report.worstRegion % kSelectionSide + 1,
-                            kSelectionSide, kSelectionSide);
-    if (std::isfinite(report.visibleSixteenth))
-        text += fmt::format("; detectable: {} in the whole image, {} in a sixteenth",
-                            RoundedPercent(report.visibleImage), RoundedPercent(report.visibleSixteenth));
-    else text += "; too few of them receive light for a detection limit";
-    return text;
-}
-
-}  // namespace
-
 SelectionReport JudgeSelection(std::span<const std::vector<VertexFinding>> regions, const BiasSettings &settings) {
     SelectionReport report;
     Sums whole;
@@ -240,9 +228,13 @@ SelectionReport JudgeSelection(std::span<const std::vector<VertexFinding>> regio
     size_t withLight = 0;
     for (const auto &region : regions) {
         report.vertices += std::ranges::count_if(region, [](const VertexFinding &v) { return v.light > 0; });
-        sums.push_back(SumUp(region));
-        whole += sums.back();
-        withLight += sums.back().light > 0;
+        const Sums &s = sums.emplace_back(SumUp(region));
+        whole.light += s.light;
+        whole.excess += s.excess;
+        whole.squares += s.squares;
+        whole.lightSquares += s.lightSquares;
+        whole.unjudged += s.unjudged;
+        withLight += s.light > 0;
     }
     report.difference = whole.Difference();
     report.standardError = whole.StandardError();

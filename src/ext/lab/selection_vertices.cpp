@@ -23,9 +23,7 @@ constexpr Float kAllInMedium = 8;        ///< vertices in media up to this depth
 /// Traces paths as in the render and measures the lights at their vertices.
 class Measurer {
   public:
-    Measurer(const BuiltScene &built)
-        : built_(built), scene_(*built.scene), context_{*built.scene, *built.camera, built.samplesPerPixel, true},
-          stride_((scene_.Lights().Size() + kMaxMeasured - 1) / kMaxMeasured) {}
+    explicit Measurer(const BuiltScene &built) : built_(built) {}
 
     void Follow(Point2i low, Point2i high, uint64_t stream, std::vector<SelectionVertices::Vertex> &out) {
         Rng rng(stream);
@@ -71,7 +69,13 @@ class Measurer {
             }
             const auto &[point, bsdf] = walk.Vertex();
             if (IsNonSpecular(bsdf.Flags())) {
-                MeasureOnSurface(path);
+                Measure(
+                    path, ScatteringContextAt(scene_, point, bsdf),
+                    [&](const Vector3 &wi) { return point.MediumTowards(wi); },
+                    [&](const Vector3 &wi) {
+                        const SampledSpectrum f = bsdf.F(point.wo, wi) * AbsDot(wi, point.shading.n);
+                        return ScatteringValue{f, f ? bsdf.Pdf(point.wo, wi) : 0};
+                    });
                 Keep({LightQueryAt(walk.Vertex(), lambda, depth), bsdf, {}, lambda, lights_}, out);
             }
             const std::optional<BsdfSample> sample = walk.SampleScattering(rng);
@@ -114,16 +118,6 @@ class Measurer {
         walk.ScatterInMedium(p, phase.SampleP(-ray.d, rng.Uniform2()).wi);
     }
 
-    void MeasureOnSurface(Path &path) {
-        const auto &[point, bsdf] = path.walk.Vertex();
-        Measure(
-            path, ScatteringContextAt(scene_, point, bsdf), [&](const Vector3 &wi) { return point.MediumTowards(wi); },
-            [&](const Vector3 &wi) {
-                const SampledSpectrum f = bsdf.F(point.wo, wi) * AbsDot(wi, point.shading.n);
-                return ScatteringValue{f, f ? bsdf.Pdf(point.wo, wi) : 0};
-            });
-    }
-
     /// Writes lights_. `from`: receiver of light sampling.
     void Measure(Path &path, const LightSampleContext &from, auto &&mediumTowards, auto &&scatter) {
         lights_.clear();
@@ -150,9 +144,9 @@ class Measurer {
     }
 
     const BuiltScene &built_;
-    const Scene &scene_;
-    PathContext context_;
-    size_t stride_;
+    const Scene &scene_ = *built_.scene;
+    PathContext context_{scene_, *built_.camera, built_.samplesPerPixel, true};
+    size_t stride_ = (scene_.Lights().Size() + kMaxMeasured - 1) / kMaxMeasured;
     std::vector<SelectionVertices::MeasuredLight> lights_;
 };
 

@@ -14,7 +14,6 @@
 
 namespace ext::lab {
 using namespace pbrt;
-
 namespace {
 
 /// Text after `key` and `separator` in the first line that starts with the key; empty if none.
@@ -66,13 +65,11 @@ std::string EscapeHtml(const std::string &text) {
 
 Json DescribeMachine() {
     auto known = [](const std::string &text) { return text.empty() ? Json() : Json(text); };
-    Json machine;
-    machine["cpu"] = known(ValueInFile("/proc/cpuinfo", "model name", ':'));
-    machine["threads"] = ThreadCount();
     const std::string memory = ValueInFile("/proc/meminfo", "MemTotal", ':');
-    machine["memoryGB"] = memory.empty() ? Json() : Json(double(std::atoll(memory.c_str()) / 100000) / 10);
-    machine["os"] = known(ValueInFile("/etc/os-release", "PRETTY_NAME", '='));
-    return machine;
+    return {{"cpu", known(ValueInFile("/proc/cpuinfo", "model name", ':'))},
+            {"threads", ThreadCount()},
+            {"memoryGB", memory.empty() ? Json() : Json(double(std::atoll(memory.c_str()) / 100000) / 10)},
+            {"os", known(ValueInFile("/etc/os-release", "PRETTY_NAME", '='))}};
 }
 
 std::string DateText() { return fmt::format("{:%Y-%m-%dT%H:%M:%SZ}", fmt::gmtime(std::time(nullptr))); }

@@ -29,9 +29,7 @@ void MakeFolder(const std::string &folder);
 
 std::string EscapeHtml(const std::string &text);
 
-/// cpu, threads, memoryGB and os of this machine; null if unknown.
-Json DescribeMachine();
-/// Current UTC time, as 2026-11-21T03:00:00Z.
-std::string DateText();
+Json DescribeMachine();  ///< cpu, threads, memoryGB and os of this machine; null if unknown
+std::string DateText();  ///< current UTC time, as 2026-11-21T03:00:00Z
 
 }  // namespace ext::lab

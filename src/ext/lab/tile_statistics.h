@@ -56,8 +56,7 @@ struct MeanImage {
 };
 MeanImage AverageImages(std::span<const Image> images);
 
-/// Median of unsorted values; infinity if empty.
-double Median(std::vector<double> values);
+double Median(std::vector<double> values);  ///< median of unsorted values; infinity if empty
 
 /// Excess of the largest of `values`, scattered about 0, over three robust standard deviations; at least 0.
 double Excess(const std::vector<double> &values);
@@ -67,8 +66,7 @@ class TileNoise {
   public:
     TileNoise(std::span<const TileMeans> pictures, int channel, const std::vector<double> &weights);
 
-    /// Fewer images often agree by chance where most of the noise is.
-    static constexpr size_t kFew = 4;
+    static constexpr size_t kFew = 4;  ///< fewer images often agree by chance where most of the noise is
 
     size_t Pictures() const { return n_; }
     double Mean(size_t tile) const { return mean_[tile]; }
@@ -76,8 +74,7 @@ class TileNoise {
     struct Estimate {
         double variance = 0, dof = 0;
     };
-    /// Noise of the mean over a region of tiles; requires at least two images.
-    Estimate Of(const Bounds2i &r) const;
+    Estimate Of(const Bounds2i &r) const;  ///< noise of the mean over a region of tiles; requires at least two images
 
     /// Excess of the strongest tile of a single image within `r`; requires at least two images.
     double Strongest(const Bounds2i &r) const;

@@ -44,8 +44,7 @@ F Load(const EmitterPacket &e, size_t field) { return Ops::LoadAligned(e.field[f
 
 /// Squared sine of a milliradian: margin for rounding of directions (as in LightBounds).
 constexpr Float kSlack = 1e-6f;
-/// Maximum intensity over squared distance; keeps sums of G finite.
-constexpr Float kMaxArriving = 1e36f;
+constexpr Float kMaxArriving = 1e36f;  ///< maximum intensity over squared distance; keeps sums of G finite
 
 /// C(axis, -w) of G: the mean cosine of the angle outside the cone of normals. For emission that ends before or after
 /// the horizon (spot lights), the end of the falloff replaces the horizon. `c`: cosine between direction and axis.
@@ -210,14 +209,6 @@ std::vector<Emitter> GroupImportance::EmittersOf(const LightGroups &groups) {
     std::vector<Emitter> emitters;
     for (uint32_t g = 0; g < groups.Size(); ++g)
         emitters.push_back(MakeEmitter(groups.Lights(), LightId(groups.FirstOf(g)), groups.Candidate(g)));
-    return emitters;
-}
-
-std::vector<Emitter> GroupImportance::EmittersIn(const LightGroups &groups, uint32_t group) {
-    const LightTable &lights = groups.Lights();
-    std::vector<Emitter> emitters;
-    for (uint32_t i = groups.FirstOf(group), end = i + groups.CountOf(group); i < end; ++i)
-        emitters.push_back(MakeEmitter(lights, LightId(i), lights.Candidate(LightId(i))));
     return emitters;
 }
 

@@ -15,8 +15,7 @@ using namespace pbrt;
 struct Emitter {
     std::optional<LightBounds> bounds;  ///< of the portal, if any; empty: at infinity, or dark
     bool isArea = false;
-    /// Radiance times area (flat emitter) or intensity (point light).
-    Float intensity = 0;
+    Float intensity = 0;  ///< radiance times area (flat emitter) or intensity (point light)
 
     bool isFar = false, isDelta = false;
     Float m0 = 0;   ///< far: integral of the radiance over directions (delta: irradiance), as covered by SampleLi
@@ -79,14 +78,12 @@ struct alignas(32) EmitterPacket {
     void Evaluate(const LightQuery &query, Float *out) const { EvaluateAll(this, 1, query, out); }
     /// Writes G of all lanes of `count` consecutive packets and returns the sum.
     static Float EvaluateAll(const EmitterPacket *packets, size_t count, const LightQuery &query, Float *out);
-    /// Sum of the output of Evaluate; `g` is aligned like packets.
-    static Float Sum(const Float *g);
+    static Float Sum(const Float *g);  ///< sum of the output of Evaluate; `g` is aligned like packets
 };
 /// Fills `packet` with `count` <= 8 rows; clears the other lanes.
 void Gather(const EmitterRow *rows, const uint32_t *names, size_t count, EmitterPacket *packet);
 
-/// G of an emitter at infinity.
-Float EvaluateFar(const Emitter &far, const LightQuery &query);
+Float EvaluateFar(const Emitter &far, const LightQuery &query);  ///< G of an emitter at infinity
 struct FarEmitter {
     uint32_t index;  ///< in the list of emitters
     Emitter emitter;
@@ -99,7 +96,6 @@ class GroupImportance {
     explicit GroupImportance(const LightGroups &groups) : GroupImportance(EmittersOf(groups)) {}
 
     static std::vector<Emitter> EmittersOf(const LightGroups &groups);
-    static std::vector<Emitter> EmittersIn(const LightGroups &groups, uint32_t group);
 
     size_t Size() const { return size_; }
     /// Size rounded up to whole packets: output length of Evaluate.
@@ -124,12 +120,6 @@ class GroupImportance {
 /// Position and direction of an emitter as one vector, for clustering. Positions are relative to the bounds' diagonal:
 /// its ends are 1 apart, opposite directions of flat emitters 0.7.
 using EmitterFeature = std::array<Float, 6>;
-inline EmitterFeature FeatureOf(const Emitter &e, const Point3 &center, Float invSize) {
-    Vector3 place = (e.bounds->Centroid() - center) * invSize;
-    Float direction = e.isArea && !e.bounds->twoSided ? Float(0.35) * (1 + e.bounds->cosTheta_o) / 2 : 0;
-    Vector3 w = e.bounds->w * direction;
-    return {place.x, place.y, place.z, w.x, w.y, w.z};
-}
 
 struct EmitterItem {
     uint32_t emitter = 0;
@@ -147,7 +137,13 @@ inline void FindFeatures(std::span<EmitterItem> items, std::span<const Emitter> 
     const Point3 center = items.empty() ? Point3(0) : cloud.Center();
     const Float size = items.empty() ? Float(1) : Length(cloud.Diagonal());
     const Float invSize = size > 0 ? 1 / size : 1;
-    for (EmitterItem &item : items) item.feature = FeatureOf(emitters[item.emitter], center, invSize);
+    for (EmitterItem &item : items) {
+        const Emitter &e = emitters[item.emitter];
+        const Vector3 place = (e.bounds->Centroid() - center) * invSize;
+        const Float direction = e.isArea && !e.bounds->twoSided ? Float(0.35) * (1 + e.bounds->cosTheta_o) / 2 : 0;
+        const Vector3 w = e.bounds->w * direction;
+        item.feature = {place.x, place.y, place.z, w.x, w.y, w.z};
+    }
 }
 
 /// Feature axis of maximum spread over a list of items.

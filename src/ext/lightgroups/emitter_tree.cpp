@@ -110,16 +110,6 @@ EmitterTree::EmitterTree(std::span<const Emitter> emitters) : places_(emitters.s
     nodes_.shrink_to_fit();
     children_.shrink_to_fit();
     far_.shrink_to_fit();
-    MakePackets(emitters, tree.unions);
-    for (uint32_t n = 0; n < nodes_.size(); ++n)
-        for (uint32_t c = 0; c < nodes_[n].count; ++c) {
-            const uint32_t child = children_[nodes_[n].firstChild + c];
-            if (child & kLeaf) places_[child & ~kLeaf] = {n, c};
-        }
-    for (uint32_t i = 0; i < far_.size(); ++i) places_[far_[i].index] = {0, nodes_[0].count + i};
-}
-
-void EmitterTree::MakePackets(std::span<const Emitter> emitters, std::span<const Emitter> unions) {
     constexpr size_t kLanes = EmitterPacket::kLanes;
     size_t begin = 0;  // first free lane
     for (Branch &node : nodes_) {
@@ -133,9 +123,15 @@ void EmitterTree::MakePackets(std::span<const Emitter> emitters, std::span<const
         for (size_t c = 0; c < node.count; ++c) {
             const uint32_t child = children_[node.firstChild + c];
             const size_t lane = node.firstLane + c;
-            packets_[node.firstPacket + lane / kLanes].Set(lane % kLanes,
-                                                           child & kLeaf ? emitters[child & ~kLeaf] : unions[child]);
+            packets_[node.firstPacket + lane / kLanes].Set(
+                lane % kLanes, child & kLeaf ? emitters[child & ~kLeaf] : tree.unions[child]);
         }
+    for (uint32_t n = 0; n < nodes_.size(); ++n)
+        for (uint32_t c = 0; c < nodes_[n].count; ++c) {
+            const uint32_t child = children_[nodes_[n].firstChild + c];
+            if (child & kLeaf) places_[child & ~kLeaf] = {n, c};
+        }
+    for (uint32_t i = 0; i < far_.size(); ++i) places_[far_[i].index] = {0, nodes_[0].count + i};
 }
 
 void EmitterTree::WeighBelow(Node n, const LightQuery &query, Level *level) const {

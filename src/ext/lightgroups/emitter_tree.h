@@ -59,7 +59,6 @@ class EmitterTree {
     };
     struct Cluster;
     struct Subtree;
-    void MakePackets(std::span<const Emitter> emitters, std::span<const Emitter> unions);
 
     std::vector<Branch> nodes_;
     std::vector<EmitterPacket> packets_;

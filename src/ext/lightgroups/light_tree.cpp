@@ -105,7 +105,20 @@ LightTree::LightTree(std::span<const Emitter> emitters) : position_(emitters.siz
     if (near > 0) {
         const Builder builder(*this, emitters, std::move(items));
         roots_.push_back(0);
-        ChooseBaseCut(builder.Spread());
+        std::priority_queue<std::pair<Float, uint32_t>> open;
+        auto add = [&](uint32_t node) {
+            if (HasChildren(node)) open.push({builder.Spread()[node], node});
+            else base_.push_back(node);
+        };
+        add(0);
+        while (!open.empty() && base_.size() + open.size() < kBaseNodes) {
+            const uint32_t node = open.top().second;
+            open.pop();
+            add(First(node));
+            add(Second(node));
+        }
+        for (; !open.empty(); open.pop()) base_.push_back(open.top().second);
+        std::sort(base_.begin(), base_.end());
     }
     const size_t farNodes = std::min(far.size(), kFarNodes);
     for (size_t n = 0; n < farNodes; ++n) {
@@ -119,23 +132,6 @@ LightTree::LightTree(std::span<const Emitter> emitters) : position_(emitters.siz
         order_.push_back(light);
     }
     for (uint32_t i = 0; i < order_.size(); ++i) position_[order_[i]] = i;
-}
-
-void LightTree::ChooseBaseCut(std::span<const Float> spread) {
-    std::priority_queue<std::pair<Float, uint32_t>> open;
-    auto add = [&](uint32_t node) {
-        if (HasChildren(node)) open.push({spread[node], node});
-        else base_.push_back(node);
-    };
-    add(0);
-    while (!open.empty() && base_.size() + open.size() < kBaseNodes) {
-        const uint32_t node = open.top().second;
-        open.pop();
-        add(First(node));
-        add(Second(node));
-    }
-    for (; !open.empty(); open.pop()) base_.push_back(open.top().second);
-    std::sort(base_.begin(), base_.end());
 }
 
 Float LightTree::EvaluateFarNode(uint32_t node, const LightQuery &query) const {

@@ -58,8 +58,7 @@ class LightTree {
     /// Index in a cut (ascending) of the node that holds a position.
     size_t FindInCut(std::span<const uint32_t> cut, uint32_t position) const;
 
-    /// True if the nodes form a cut, ascending.
-    bool IsCut(std::span<const uint32_t> nodes) const;
+    bool IsCut(std::span<const uint32_t> nodes) const;  ///< true if the nodes form a cut, ascending
 
     /// WalkDown interface (weighted_choice.h): up to eight nodes, in order, that cover an inner node.
     static constexpr int kLanes = EmitterPacket::kLanes;
@@ -83,7 +82,6 @@ class LightTree {
   private:
     class Builder;
     Float EvaluateFarNode(uint32_t node, const LightQuery &query) const;
-    void ChooseBaseCut(std::span<const Float> spread);
 
     std::vector<Range> ranges_;     ///< per node
     std::vector<EmitterRow> rows_;  ///< per near node

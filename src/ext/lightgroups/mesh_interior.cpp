@@ -12,7 +12,9 @@ MeshInterior::MeshInterior(const LightGroups &groups, bool byImportance)
         for (auto g = uint32_t(begin); g < uint32_t(end); ++g) {
             const uint32_t count = groups.CountOf(g);
             if (count == 1) continue;
-            std::vector<Emitter> emitters = GroupImportance::EmittersIn(groups, g);
+            std::vector<Emitter> emitters;
+            for (uint32_t i = groups.FirstOf(g), last = i + count; i < last; ++i)
+                emitters.push_back(MakeEmitter(groups.Lights(), LightId(i), groups.Lights().Candidate(LightId(i))));
             if (count <= kMaxScan) inner_[g].scan = std::make_unique<GroupImportance>(emitters);
             else inner_[g].tree = std::make_unique<EmitterTree>(emitters);
         }

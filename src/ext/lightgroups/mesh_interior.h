@@ -18,8 +18,7 @@ class MeshInterior {
 
     /// Samples a light of the group, with its probability within the group; empty if no primitive can contribute.
     std::optional<SampledLight> Sample(uint32_t group, const LightQuery &query, Float u) const;
-    /// P(light | its group, query).
-    Float PMF(const LightQuery &query, LightId light) const;
+    Float PMF(const LightQuery &query, LightId light) const;  ///< P(light | its group, query)
     size_t Bytes() const;
 
   private:

@@ -43,8 +43,16 @@ void LearnedVisibilityLightSampler::Prepare(PrepareContext &context) {
     if (context.learned) return LoadLearned(context, *context.learned);
     if (groups_.Size() <= 1 && !portals_.IsWanted(context)) return;
     const auto start = std::chrono::steady_clock::now();
+    const int depth = params_.PrepassDepth(context.maxDepth);
+    const PrepassBudget budget{.lights = groups_.Size(),
+                               .raysPerVertex = model_.RaysPerVertex(),
+                               .environmentRays = portals_.IsWanted(context) ? portals_.RaysPerVertex() : 0,
+                               .depth = depth,
+                               .pixels = double(std::max<int64_t>(1, context.pixelBounds.Area())),
+                               .samplesPerPixel = context.samplesPerPixel,
+                               .budget = double(params_.budget)};
     std::vector<PrepassVertex> vertices =
-        TracePrepassPaths(context, PathsPerPixel(context), params_.PrepassDepth(context.maxDepth));
+        TracePrepassPaths(context, params_.prepassspp > 0 ? params_.prepassspp : budget.PathsPerPixel(), depth);
     if (portals_.IsWanted(context) && !context.progress.Cancelled()) {
         portals_.Find(context, vertices);
         if (portals_.IsActive()) PortalsChanged();
@@ -68,18 +76,6 @@ void LearnedVisibilityLightSampler::TryPortals(PrepareContext &context, std::spa
     const std::vector<TrialPixel> with = TraceTrial(context);
     use(false);
     if (portals_.EndTrial(CompareTrials(with, TraceTrial(context), portals_.CostPerVertex()))) use(true);
-}
-
-double LearnedVisibilityLightSampler::PathsPerPixel(const PrepareContext &context) const {
-    if (params_.prepassspp > 0) return params_.prepassspp;
-    const PrepassBudget budget{.lights = groups_.Size(),
-                               .raysPerVertex = model_.RaysPerVertex(),
-                               .environmentRays = portals_.IsWanted(context) ? portals_.RaysPerVertex() : 0,
-                               .depth = params_.PrepassDepth(context.maxDepth),
-                               .pixels = double(std::max<int64_t>(1, context.pixelBounds.Area())),
-                               .samplesPerPixel = context.samplesPerPixel,
-                               .budget = double(params_.budget)};
-    return budget.PathsPerPixel();
 }
 
 void LearnedVisibilityLightSampler::SaveLearned(StateWriter &writer, bool withLearning) const {

@@ -34,14 +34,12 @@ class LearnedVisibilityLightSampler : public InteriorLightSampler {
     VisibilityModel model_;
 
   private:
-    double PathsPerPixel(const PrepareContext &context) const;
     void PortalsChanged();
     void Learn(PrepareContext &context, std::span<PrepassVertex> vertices);
     /// Keeps the portals if a trial finds that they reduce the error at equal cost.
     void TryPortals(PrepareContext &context, std::span<PrepassVertex> vertices);
     void LoadLearned(const PrepareContext &context, StateReader &reader);
-    /// Hash of the lights and light tree nodes that a saved model refers to.
-    uint64_t LightTreeHash() const;
+    uint64_t LightTreeHash() const;  ///< hash of the lights and light tree nodes that a saved model refers to
 
     double prepassSeconds_ = 0;
 };

@@ -125,8 +125,7 @@ class LightOctreeBuilder {
         return std::move(tree_);
     }
 
-    /// Number of leaves, including empty ones.
-    size_t LeafCount() const { return tree_.leaves_; }
+    size_t LeafCount() const { return tree_.leaves_; }  ///< number of leaves, including empty ones
     /// Number of points per node, indexed by CellOctree::Cell::node. Valid before and after Build.
     std::vector<uint32_t> PointsPerNode() const {
         std::vector<uint32_t> counts;

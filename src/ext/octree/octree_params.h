@@ -6,8 +6,7 @@
 namespace ext {
 using namespace pbrt;
 
-/// Defaults of OctreeParams::floor.
-inline constexpr Float kVisibilityFloor = 0.05f, kPaperFloor = 0.1f;
+inline constexpr Float kVisibilityFloor = 0.05f, kPaperFloor = 0.1f;  ///< defaults of OctreeParams::floor
 /// Maximum candidates of VisibilityOctreeLightSampler; with more light groups, candidates are light tree nodes.
 inline constexpr size_t kMaxCandidates = 64;
 /// Version of the saved state of both samplers; incremented whenever the output of SaveLearned changes.

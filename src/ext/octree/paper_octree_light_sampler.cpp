@@ -47,9 +47,8 @@ void PaperOctreeLightSampler::Prepare(PrepareContext &context) {
         if (context.progress.Cancelled()) return;
         Rng rng(Hash(uint64_t(0x6f6374726565), context.seed, index));
         for (uint32_t g = 0; g < groupCount; ++g) {
-            Float uLight = rng.Uniform();
+            LightId light = groups_.SampleLight(g, rng.Uniform());
             Point2 u = rng.Uniform2();
-            LightId light = groups_.SampleLight(g, uLight);
             if (Float share = groups_.ShareOf(light); share > 0)
                 sum[g] += VisibleContribution(context.scene, vertices[index], lights[light], u) / double(share);
         }

@@ -14,8 +14,7 @@ namespace {
 
 /// Sample counts per pixel after which the trees are rebuilt, if at least three times as many samples follow.
 constexpr int kUpdateAfter[] = {1, 4, 16, 64};
-/// Maximum shadow rays of the render recorded between two updates.
-constexpr size_t kMaxRecorded = 400000;
+constexpr size_t kMaxRecorded = 400000;  ///< maximum shadow rays of the render recorded between two updates
 
 }  // namespace
 
@@ -158,22 +157,18 @@ void VisibilityModel::Load(const PrepareContext &context, StateReader &in) {
         in(*estimate, estimate->records);
         in.RequireValid(estimate->ValidateFor(groups_.Size(), lights_));
     }
-    in.RequireValid(ResumeRecording(context));
     if (nextUpdate_ == 0) return BeginRecording(render_.samplesPerPixel);
+    constexpr const char *kWrongSchedule = "an update is due after a wrong number of samples";
+    const auto next = std::ranges::find(kUpdateAfter, nextUpdate_);
+    in.Require(IsUpdated() && next != std::end(kUpdateAfter), kWrongSchedule);
+    in.Require(render_ == RenderOf(context) && render_.samplesPerPixel >= nextUpdate_,
+               "it was learned for other pixels or paths");
+    BeginRecording(next == std::begin(kUpdateAfter) ? 0 : next[-1]);
+    in.Require(nextUpdate_ == *next, kWrongSchedule);
     rendered_.Merge(in);
     VisibilityRecords all;
     for (const bool inMedium : {false, true}) AppendRendered(&all, inMedium);
     in.RequireValid(all.ValidateFor(groups_.Size(), lights_));
-}
-
-std::optional<std::string> VisibilityModel::ResumeRecording(const PrepareContext &context) {
-    if (nextUpdate_ == 0) return {};
-    const auto next = std::ranges::find(kUpdateAfter, nextUpdate_);
-    if (!IsUpdated() || next == std::end(kUpdateAfter)) return "an update is due after a wrong number of samples";
-    if (!(render_ == RenderOf(context)) || render_.samplesPerPixel < nextUpdate_)
-        return "it was learned for other pixels or paths";
-    BeginRecording(next == std::begin(kUpdateAfter) ? 0 : next[-1]);
-    return nextUpdate_ == *next ? std::nullopt : std::optional("an update is due after a wrong number of samples");
 }
 
 void VisibilityModel::Report(nlohmann::ordered_json &report) const {

@@ -38,8 +38,7 @@ class VisibilityModel final : public OnlineModel, public PathObserver {
     }
     /// Shadow rays per prepass vertex.
     size_t RaysPerVertex() const { return RaysPerRecord(groups_.Size(), params_.tries); }
-    /// True if the trees are rebuilt during the render.
-    bool IsUpdated() const { return lights_ && params_.learn; }
+    bool IsUpdated() const { return lights_ && params_.learn; }  ///< true if the trees are rebuilt during the render
 
     int NextUpdate() const override { return nextUpdate_; }
     void Update(const Progress &progress) override;
@@ -59,8 +58,7 @@ class VisibilityModel final : public OnlineModel, public PathObserver {
     void Report(nlohmann::ordered_json &report) const;
     /// Leaf of the vertex, and its factors if there is no light tree.
     void Inspect(const LightQuery &query, std::vector<InspectedValue> &values) const;
-    /// Leaves and rows as text; empty if nothing was learned.
-    std::string Describe() const;
+    std::string Describe() const;  ///< leaves and rows as text; empty if nothing was learned
     size_t Bytes() const { return onSurfaces_.tree.Bytes() + inMedia_.tree.Bytes(); }
 
   private:
@@ -96,8 +94,6 @@ class VisibilityModel final : public OnlineModel, public PathObserver {
     /// Allocates record slots for samples from `first` to the next update; frees update state if none is due.
     void BeginRecording(int first);
     void AppendRendered(VisibilityRecords *records, bool inMedium) const;
-    /// Validates the loaded schedule and allocates record slots; returns the error if invalid.
-    std::optional<std::string> ResumeRecording(const PrepareContext &context);
 
     const LightGroups &groups_;
     const LightTree *lights_ = nullptr;

@@ -1,7 +1,6 @@
 #include "ext/octree/visibility_octree_light_sampler.h"
 
 #include <algorithm>
-#include <numeric>
 
 #include "pbrt/bxdfs/bsdf.h"
 #include "pbrt/bxdfs/henyey_greenstein.h"
@@ -18,22 +17,17 @@ constexpr Float kLobeFloor = 0.1f;
 
 }  // namespace
 
-Float VisibilityOctreeLightSampler::Candidates::SumW() const { return std::accumulate(w, w + totalCount, Float(0)); }
-
 const void *VisibilityOctreeLightSampler::WeighGroups(const LightQuery &query, LightMemory &memory) const {
     auto *c = memory.Make<Candidates>();
     WeighCandidates(query, model_.TreeAt(query), c);
     if (portals_.IsActive()) WeighPortals(query, memory, c);
-    if (UsesScattering(query)) WeighScattering(query, c);
+    const bool isDirectional =
+        query.phase ? std::abs(query.phase->G()) > kPeaked : query.bsdf && query.bsdf->IsDirectional();
+    if (params_.bsdf && isDirectional) WeighScattering(query, c);
     const Float sumW = c->SumW(), sumG = std::accumulate(c->g + c->localCount, c->g + c->totalCount, c->localG);
     c->perW = sumW > 0 ? (1 - floor_) / sumW : 0;
     c->perG = sumW > 0 ? floor_ / sumG : 0;
     return c;
-}
-
-bool VisibilityOctreeLightSampler::UsesScattering(const LightQuery &query) const {
-    if (!params_.bsdf) return false;
-    return query.phase ? std::abs(query.phase->G()) > kPeaked : query.bsdf && query.bsdf->IsDirectional();
 }
 
 void VisibilityOctreeLightSampler::WeighCandidates(const LightQuery &query, const VisibilityTree *visibility,

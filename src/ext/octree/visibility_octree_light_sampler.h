@@ -1,4 +1,6 @@
 #pragma once
+#include <numeric>
+
 #include "ext/octree/learned_visibility_light_sampler.h"
 
 namespace ext {
@@ -32,9 +34,8 @@ class VisibilityOctreeLightSampler final : public LearnedVisibilityLightSampler 
         const PortalSampling::Weights *portals = nullptr;
 
         Float Probability(size_t i) const { return w[i] * perW + g[i] * perG; }
-        Float SumW() const;
+        Float SumW() const { return std::accumulate(w, w + totalCount, Float(0)); }
     };
-    bool UsesScattering(const LightQuery &query) const;
     void WeighCandidates(const LightQuery &query, const VisibilityTree *visibility, Candidates *c) const;
     void WeighScattering(const LightQuery &query, Candidates *c) const;
     const void *WeighGroups(const LightQuery &query, LightMemory &memory) const override;

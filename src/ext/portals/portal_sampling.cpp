@@ -18,16 +18,14 @@ namespace {
 constexpr uint64_t kStream = 0x77696e646f77;
 /// Above this fraction of environment rays that leave the scene, no portals are searched: outdoors, there are none.
 constexpr double kMaxSeen = 0.3;
-/// Maximum number of prepass vertices for detection.
-constexpr size_t kSearchVertices = 4096;
+constexpr size_t kSearchVertices = 4096;  ///< maximum number of prepass vertices for detection
 
 constexpr uint64_t kRayStream = 0x736b79;
 /// With few vertices, up to kMaxPerVertex rays per vertex and light are traced to reach kSearchRays.
 constexpr size_t kSearchRays = 16384, kMaxPerVertex = 4 * PortalSampling::kRaysPerLight;
 /// Vertices and rays that tell whether the scene is outdoors.
 constexpr size_t kFewVertices = kSearchVertices / 16, kFewRays = kSearchRays / 4;
-/// Maximum draws per ray; accepted with probability equal to the cosine.
-constexpr size_t kMaxDraws = 16;
+constexpr size_t kMaxDraws = 16;  ///< maximum draws per ray; accepted with probability equal to the cosine
 
 /// Unit of G over that of the mean radiance.
 Float PerMeanRadiance(const EnvironmentLight &light, double unit) {
@@ -230,8 +228,27 @@ bool PortalSampling::EndTrial(const TrialRatio &result) {
 bool PortalSampling::Learn(PrepareContext &context, std::span<const PrepassVertex> vertices) {
     std::vector<std::vector<ShadowRay>> traced(vertices.size());
     ParallelFor(int64_t(vertices.size()), 64, [&](int64_t begin, int64_t end) {
-        for (auto v = size_t(begin); v < size_t(end); ++v)
-            traced[v] = TraceRegions(context, vertices[v], Hash(kStream, context.seed, v));
+        for (auto v = size_t(begin); v < size_t(end); ++v) {
+            const PrepassVertex &vertex = vertices[v];
+            const LightQuery query = QueryAt(vertex);
+            Rng rng(Hash(kStream, context.seed, v));
+            Float sum = 0, g[kMaxRegions];
+            // One shadow ray to each region of each light.
+            for (size_t k = 0; k < Count(); ++k) {
+                const Environment &e = environments_[k];
+                Evaluate(query, e, g);
+                for (size_t i = 0; i < RegionCount(); ++i) {
+                    const Point2 u = rng.Uniform2();
+                    if (!(g[i] > 0)) continue;
+                    sum += g[i];
+                    const LightComponent region = lights_.Region(e.id, RegionOf(e, i));
+                    const auto ratio = Float(VisibleContribution(context.scene, vertex, region, u) / double(g[i]));
+                    traced[v].push_back(
+                        {uint32_t(k * RegionCount() + i), g[i], g[i], std::isfinite(ratio) ? ratio : 0});
+                }
+            }
+            for (ShadowRay &ray : traced[v]) ray.share = ray.weight = ray.share / sum;
+        }
     });
     VisibilityRecords records;
     for (size_t v = 0; v < vertices.size(); ++v) {
@@ -248,28 +265,6 @@ bool PortalSampling::Learn(PrepareContext &context, std::span<const PrepassVerte
     if (!tree) return false;
     tree_ = std::move(*tree);
     return true;
-}
-
-std::vector<ShadowRay> PortalSampling::TraceRegions(PrepareContext &context, const PrepassVertex &vertex,
-                                                    uint64_t seed) const {
-    const LightQuery query = QueryAt(vertex);
-    Rng rng(seed);
-    Float sum = 0, g[kMaxRegions];
-    std::vector<ShadowRay> rays;
-    for (size_t k = 0; k < Count(); ++k) {
-        const Environment &e = environments_[k];
-        Evaluate(query, e, g);
-        for (size_t i = 0; i < RegionCount(); ++i) {
-            const Point2 u = rng.Uniform2();
-            if (!(g[i] > 0)) continue;
-            sum += g[i];
-            const double found = VisibleContribution(context.scene, vertex, lights_.Region(e.id, RegionOf(e, i)), u);
-            const auto ratio = Float(found / double(g[i]));
-            rays.push_back({uint32_t(k * RegionCount() + i), g[i], g[i], std::isfinite(ratio) ? ratio : 0});
-        }
-    }
-    for (ShadowRay &ray : rays) ray.share = ray.weight = ray.share / sum;
-    return rays;
 }
 
 const PortalSampling::Weights *PortalSampling::Weigh(const LightQuery &query, LightMemory &memory) const {

@@ -23,11 +23,9 @@ namespace ext {
 /// for the remainder; the other half is divided among the portals by G.
 class PortalSampling {
   public:
-    /// Maximum number of environment lights with portals.
-    static constexpr size_t kMaxLights = 4;
+    static constexpr size_t kMaxLights = 4;  ///< maximum number of environment lights with portals
     static constexpr size_t kMaxRegions = EnvironmentPortals::kMax + 1;
-    /// Environment rays per prepass vertex and light, with many vertices.
-    static constexpr size_t kRaysPerLight = 16;
+    static constexpr size_t kRaysPerLight = 16;  ///< environment rays per prepass vertex and light, with many vertices
 
     /// `mode`: "auto" (IsOnTrial), "always" or "never". `groups`: the caller's light groups.
     PortalSampling(const LightGroups &groups, const std::string &mode, Float floor);
@@ -36,26 +34,22 @@ class PortalSampling {
     bool IsWanted(const PrepareContext &context) const {
         return !environments_.empty() && (!isOnTrial_ || CanTrace(context));
     }
-    /// Rays per vertex traced by Find.
-    size_t RaysPerVertex() const { return environments_.size() * kRaysPerLight; }
+    size_t RaysPerVertex() const { return environments_.size() * kRaysPerLight; }  ///< rays per vertex traced by Find
     /// Detects portals, if few enough environment rays leave the scene, and learns their visibility. Several progress
     /// phases.
     void Find(PrepareContext &context, std::span<const PrepassVertex> vertices);
     void Clear();
 
-    /// True if a trial decides whether portals that were found are used.
-    bool IsOnTrial() const { return isOnTrial_; }
+    bool IsOnTrial() const { return isOnTrial_; }  ///< true if a trial decides whether portals that were found are used
     /// Selects between the portals found and whole lights, for a trial.
     void SetActive(bool active) { isActive_ = active && count_ > 0; }
     /// Takes the trial of portals relative to whole lights, and discards the portals unless they pay. Returns whether
     /// they do; they are still inactive.
     bool EndTrial(const TrialRatio &result);
-    /// Cost of active portals per path vertex (CompareTrials).
-    double CostPerVertex() const;
+    double CostPerVertex() const;  ///< cost of active portals per path vertex (CompareTrials)
 
     bool IsActive() const { return isActive_; }
-    /// Number of lights with portals.
-    size_t Count() const { return IsActive() ? environments_.size() : 0; }
+    size_t Count() const { return IsActive() ? environments_.size() : 0; }  ///< number of lights with portals
     uint32_t GroupOf(size_t k) const { return environments_[k].group; }
     /// Index of the light with portals that is this group; Count() if none.
     size_t IndexOf(uint32_t group) const {
@@ -81,8 +75,7 @@ class PortalSampling {
     void Load(StateReader &in);
     void Report(nlohmann::ordered_json &report) const;
     void Inspect(const Point3 &p, std::vector<InspectedValue> &values) const;
-    /// Trial and portals as text; empty without both.
-    std::string Describe() const;
+    std::string Describe() const;  ///< trial and portals as text; empty without both
     size_t Bytes() const;
 
   private:
@@ -99,8 +92,6 @@ class PortalSampling {
     void Use(std::span<const Portal> portals);
     void Evaluate(const LightQuery &query, const Environment &e, Float *g) const;
     bool Learn(PrepareContext &context, std::span<const PrepassVertex> vertices);
-    /// Traces one shadow ray to each region of each light.
-    std::vector<ShadowRay> TraceRegions(PrepareContext &context, const PrepassVertex &vertex, uint64_t seed) const;
 
     const LightTable &lights_;
     bool isOnTrial_, isActive_ = false;

@@ -13,16 +13,12 @@ namespace ext {
 namespace {
 
 constexpr size_t kMaxPortals = 8;
-/// Maximum rays of either kind.
-constexpr size_t kMaxRays = 2048;
-/// Weight of a blocked ray relative to one that leaves.
-constexpr double kBlocked = 0.25;
+constexpr size_t kMaxRays = 2048;  ///< maximum rays of either kind
+constexpr double kBlocked = 0.25;  ///< weight of a blocked ray relative to one that leaves
 constexpr int kMaxCells = 48, kMinCells = 8, kSteps = 48, kFineSteps = 8;
-/// Minimum rays per portal; also a minimum fraction of all that left.
-constexpr size_t kMinRays = 12;
-constexpr double kSmallestShare = 0.02;
-/// Minimum cosine; rays nearly parallel to a plane are skipped.
-constexpr Float kMinCosine = 0.05f;
+constexpr size_t kMinRays = 12;          ///< minimum rays per portal
+constexpr double kSmallestShare = 0.02;  ///< minimum share of a portal in the rays that left
+constexpr Float kMinCosine = 0.05f;      ///< minimum cosine; rays nearly parallel to a plane are skipped
 
 struct Line {
     Point3 p;
@@ -256,50 +252,6 @@ Portal AtNarrowest(const Portal &portal, std::span<const Line> lines) {
     return narrowest;
 }
 
-/// Selects at most kMaxRays of each kind.
-std::vector<Line> SomeOf(std::span<const EnvironmentRay> rays) {
-    size_t count[2] = {0, 0}, seen[2] = {0, 0};
-    for (const EnvironmentRay &ray : rays) ++count[ray.left];
-    std::vector<Line> lines;
-    for (const EnvironmentRay &ray : rays) {
-        const size_t n = count[ray.left], taken = std::min(n, kMaxRays), i = seen[ray.left]++;
-        if (i * taken / n != (i + 1) * taken / n) lines.push_back({ray.p, ray.d, ray.left, double(n) / double(taken)});
-    }
-    return lines;
-}
-
-}  // namespace
-
-std::vector<Portal> FindPortals(std::span<const EnvironmentRay> rays, std::span<const Normal3> normals) {
-    std::vector<Line> lines = SomeOf(rays);
-    double left = 0;
-    for (const Line &line : lines) left += line.left ? line.count : 0;
-    const std::vector<Vector3> facings = Facings(normals);
-    std::vector<Portal> portals;
-    while (portals.size() < kMaxPortals && !lines.empty()) {
-        std::vector<Planes::Plane> best(facings.size());
-        ParallelFor(int64_t(facings.size()), 1, [&](int64_t begin, int64_t end) {
-            for (auto i = size_t(begin); i < size_t(end); ++i)
-                best[i] = Planes(FrameOf(facings[i], facings), lines).Best();
-        });
-        const auto most = std::ranges::max_element(best, {}, &Planes::Plane::gain);
-        if (!(most->gain > kSmallestShare * left)) break;
-        const Planes planes(FrameOf(facings[size_t(most - best.begin())], facings), lines);
-        std::vector<Portal> found = planes.Portals(most->height, kSmallestShare * left);
-        if (found.empty()) break;
-        if (portals.size() + found.size() > kMaxPortals) found.resize(kMaxPortals - portals.size());
-        for (Portal &portal : found) portal = AtNarrowest(portal, lines);
-        std::erase_if(lines, [&](const Line &line) {
-            return std::any_of(found.begin(), found.end(),
-                               [&](const Portal &portal) { return portal.IsPassed(line.p, line.d); });
-        });
-        portals.insert(portals.end(), found.begin(), found.end());
-    }
-    return portals;
-}
-
-namespace {
-
 constexpr int kRefiningRays = 8192, kRefiningCells = 48;
 
 /// Portal with refined borders; unchanged if no ray passes it.
@@ -373,6 +325,40 @@ bool LiesIn(const Portal &portal, const Portal &other) {
 }
 
 }  // namespace
+
+std::vector<Portal> FindPortals(std::span<const EnvironmentRay> rays, std::span<const Normal3> normals) {
+    std::vector<Line> lines;  // at most kMaxRays of each kind
+    size_t count[2] = {0, 0}, seen[2] = {0, 0};
+    for (const EnvironmentRay &ray : rays) ++count[ray.left];
+    for (const EnvironmentRay &ray : rays) {
+        const size_t n = count[ray.left], taken = std::min(n, kMaxRays), i = seen[ray.left]++;
+        if (i * taken / n != (i + 1) * taken / n) lines.push_back({ray.p, ray.d, ray.left, double(n) / double(taken)});
+    }
+    double left = 0;
+    for (const Line &line : lines) left += line.left ? line.count : 0;
+    const std::vector<Vector3> facings = Facings(normals);
+    std::vector<Portal> portals;
+    while (portals.size() < kMaxPortals && !lines.empty()) {
+        std::vector<Planes::Plane> best(facings.size());
+        ParallelFor(int64_t(facings.size()), 1, [&](int64_t begin, int64_t end) {
+            for (auto i = size_t(begin); i < size_t(end); ++i)
+                best[i] = Planes(FrameOf(facings[i], facings), lines).Best();
+        });
+        const auto most = std::ranges::max_element(best, {}, &Planes::Plane::gain);
+        if (!(most->gain > kSmallestShare * left)) break;
+        const Planes planes(FrameOf(facings[size_t(most - best.begin())], facings), lines);
+        std::vector<Portal> found = planes.Portals(most->height, kSmallestShare * left);
+        if (found.empty()) break;
+        if (portals.size() + found.size() > kMaxPortals) found.resize(kMaxPortals - portals.size());
+        for (Portal &portal : found) portal = AtNarrowest(portal, lines);
+        std::erase_if(lines, [&](const Line &line) {
+            return std::any_of(found.begin(), found.end(),
+                               [&](const Portal &portal) { return portal.IsPassed(line.p, line.d); });
+        });
+        portals.insert(portals.end(), found.begin(), found.end());
+    }
+    return portals;
+}
 
 std::vector<Portal> RefinePortals(const Scene &scene, std::span<const Portal> portals,
                                   std::span<const PrepassVertex> vertices, int seed) {

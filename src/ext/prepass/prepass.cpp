@@ -8,8 +8,7 @@
 namespace ext {
 namespace {
 
-/// Decorrelates the prepass from other uses of the seed.
-constexpr uint64_t kStream = 0x70726570617373ull;
+constexpr uint64_t kStream = 0x70726570617373ull;  ///< decorrelates the prepass from other uses of the seed
 
 Vector2i TilesOf(const Bounds2i &pixels) {
     return (pixels.high - pixels.low + (kPrepassTileSize - 1)) / kPrepassTileSize;
@@ -32,30 +31,6 @@ std::optional<PrepassPath> Start(const PrepareContext &context, uint64_t stream,
     const std::optional<CameraRay> ray = context.camera.GenerateRay(cs, lambda);
     if (!ray) return {};
     return PrepassPath{rng, lambda, *ray};
-}
-
-void FollowPath(const PrepareContext &context, PrepassPath &path, int depth, std::vector<PrepassVertex> &out) {
-    auto &[rng, lambda, start] = path;
-    const PathContext paths{context.scene, context.camera, context.samplesPerPixel, context.scene.NeedsFootprints()};
-    PathWalk walk(paths, start);
-    SpectralWeights weights;
-    for (int vertex = 0; vertex < depth; ++vertex) {
-        const std::optional<ReachedVertex> reached = walk.NextVertex(lambda, weights, rng);
-        if (!reached) return;
-        if (const HenyeyGreenstein *phase = reached->phase) {
-            const Ray &ray = walk.GetRay();
-            out.push_back({{reached->p, {}, {}, {}, ray.time}, -ray.d, true, ray.medium, ray.medium, phase});
-            walk.ScatterInMedium(reached->p, phase->SampleP(-ray.d, rng.Uniform2()).wi);
-            continue;
-        }
-        const auto &[point, bsdf] = walk.Vertex();
-        const BxdfFlags flags = bsdf.Flags();
-        if (IsNonSpecular(flags))
-            out.push_back({LightContextAt(point), point.wo, IsTransmissive(flags), point.insideMedium,
-                           point.outsideMedium, nullptr});
-        const std::optional<BsdfSample> sample = walk.SampleScattering(rng);
-        if (!sample || !sample->f) return;
-    }
 }
 
 }  // namespace
@@ -103,7 +78,28 @@ std::vector<PrepassVertex> TracePrepassPaths(PrepareContext &context, double sam
     ForEachPrepassPath(context, "prepass", kStream, samplesPerPixel, [&](int64_t tile, PrepassPath &path) {
         std::vector<PrepassVertex> &out = perTile[tile];
         if (out.empty()) out.reserve(size_t(kPrepassTileSize * kPrepassTileSize * samplesPerPixel * depth) + 1);
-        FollowPath(context, path, depth, out);
+        const PathContext paths{context.scene, context.camera, context.samplesPerPixel,
+                                context.scene.NeedsFootprints()};
+        auto &[rng, lambda, start] = path;
+        PathWalk walk(paths, start);
+        SpectralWeights weights;
+        for (int vertex = 0; vertex < depth; ++vertex) {
+            const std::optional<ReachedVertex> reached = walk.NextVertex(lambda, weights, rng);
+            if (!reached) return;
+            if (const HenyeyGreenstein *phase = reached->phase) {
+                const Ray &ray = walk.GetRay();
+                out.push_back({{reached->p, {}, {}, {}, ray.time}, -ray.d, true, ray.medium, ray.medium, phase});
+                walk.ScatterInMedium(reached->p, phase->SampleP(-ray.d, rng.Uniform2()).wi);
+                continue;
+            }
+            const auto &[point, bsdf] = walk.Vertex();
+            const BxdfFlags flags = bsdf.Flags();
+            if (IsNonSpecular(flags))
+                out.push_back({LightContextAt(point), point.wo, IsTransmissive(flags), point.insideMedium,
+                               point.outsideMedium, nullptr});
+            const std::optional<BsdfSample> sample = walk.SampleScattering(rng);
+            if (!sample || !sample->f) return;
+        }
     });
     size_t total = 0;
     for (const auto &v : perTile) total += v.size();

@@ -19,8 +19,7 @@ struct PrepassVertex {
     const HenyeyGreenstein *phase = nullptr;  ///< in a medium
 };
 
-/// The render's query at the vertex, without BSDF.
-LightQuery QueryAt(const PrepassVertex &vertex);
+LightQuery QueryAt(const PrepassVertex &vertex);  ///< the render's query at the vertex, without BSDF
 
 /// The paper's path pass (section 4.1): `samplesPerPixel` camera paths per rendered pixel (fractional: in a hashed
 /// subset of pixels), at most `depth` vertices each. Continued by BSDF sampling without light sampling or roulette.
@@ -41,10 +40,8 @@ struct PrepassPath {
     CameraRay start;
 };
 
-/// Side of a prepass tile in pixels.
-constexpr int kPrepassTileSize = 16;
-/// Number of tiles that cover the pixels.
-int64_t PrepassTileCount(const Bounds2i &pixels);
+constexpr int kPrepassTileSize = 16;               ///< side of a prepass tile in pixels
+int64_t PrepassTileCount(const Bounds2i &pixels);  ///< number of tiles that cover the pixels
 
 /// Calls follow(tile, path) for `pathsPerPixel` camera paths per rendered pixel (fractional: in a hashed subset of
 /// pixels). Tiles run concurrently; paths within a tile run in fixed order. Paths depend on the seed and `stream` only.

@@ -85,8 +85,7 @@ class CellCut {
     std::span<const float> Factors() const { return factors_; }  ///< one per node of the cut
 
   private:
-    /// Children of a cell inherit up to this many times the nodes of a cut.
-    static constexpr size_t kInherited = 2;
+    static constexpr size_t kInherited = 2;  ///< children of a cell inherit up to this many times the nodes of a cut
     /// Cost factor of a node of several lights, as selection below it is imperfect.
     static constexpr double kInnerCost = 1.1;
     /// Siblings are always merged below this fraction of the finest cut's cost.

@@ -29,96 +29,72 @@ Float RatioOf(double found, Float g) {
 
 bool IsMine(const Team &team, int64_t chunk) { return chunk % team.Size() == team.Rank(); }
 
-/// Draws lights at one point in proportion to G.
-class Draws {
-  public:
-    Draws(const GroupImportance &importance, const LightTree *tree, const LightQuery &query)
-        : tree_(tree), query_(query) {
-        if (tree) nodes_ = tree->BaseCut();
-        count_ = tree ? nodes_.size() : importance.Size();
-        sum_ = tree ? tree->Evaluate(query, nodes_, g_) : importance.Evaluate(query, g_);
-    }
-    std::optional<SampledLight> Draw(Float u) const {
-        const auto chosen = ChooseByWeight<Float>(count_, u * sum_, [&](uint32_t i) { return g_[i]; });
-        if (!chosen) return {};
-        const Float g = chosen.weight;
-        if (!tree_) return SampledLight{LightId(chosen.index), g / sum_};
-        std::optional<SampledLight> light = tree_->SampleWithin(
-            nodes_[chosen.index], query_, std::clamp((u * sum_ - chosen.before) / g, Float(0), OneMinusEpsilon));
-        if (light) light->pmf *= g / sum_;
-        return light;
-    }
-
-  private:
-    const LightTree *tree_;
-    const LightQuery &query_;
-    std::span<const uint32_t> nodes_;
-    alignas(32) Float g_[kMaxScanned];
-    size_t count_ = 0;
-    Float sum_ = 0;
-};
-static_assert(LightTree::kBaseNodes + LightTree::kFarNodes <= kMaxScanned);
-
 /// Traces the shadow rays of vertices; see TraceVisibility.
-class ShadowRayTracer {
-  public:
-    ShadowRayTracer(const Scene &scene, const LightGroups &groups, const GroupImportance &importance,
-                    const MeshInterior &interior, const LightTree *tree, size_t perRecord)
-        : scene_(scene), groups_(groups.Size()), importance_(importance), interior_(interior), tree_(tree),
-          perRecord_(perRecord) {}
+struct ShadowRayTracer {
+    const Scene &scene;
+    const size_t groups;
+    const GroupImportance &importance;
+    const MeshInterior &interior;
+    const LightTree *tree;
+    const size_t perRecord;
 
     /// Appends a record, unless no group could contribute. `g`: memory that calls reuse.
     void Trace(const PrepassVertex &vertex, Rng &rng, std::vector<Float> &g, VisibilityRecords &out) const {
         const LightQuery query = QueryAt(vertex);
         const size_t first = out.rays.size();
-        if (perRecord_ >= groups_) TraceToAll(vertex, query, rng, g, out.rays);
+        if (perRecord >= groups) TraceToAll(vertex, query, rng, g, out.rays);
         else TraceToDrawn(vertex, query, rng, out.rays);
         if (out.rays.size() > first)
             out.records.push_back({vertex.at.p, uint32_t(first), uint32_t(out.rays.size() - first)});
     }
-
-  private:
     void TraceToAll(const PrepassVertex &vertex, const LightQuery &query, Rng &rng, std::vector<Float> &g,
                     std::vector<ShadowRay> &rays) const {
-        g.resize(importance_.Padded());
-        const Float sum = importance_.Evaluate(query, g);
+        g.resize(importance.Padded());
+        const Float sum = importance.Evaluate(query, g);
         if (!(sum > 0)) return;
-        for (uint32_t i = 0; i < groups_; ++i) {
+        for (uint32_t i = 0; i < groups; ++i) {
             if (!(g[i] > 0)) continue;
             Float share = g[i] / sum;
-            const double found = SampleGroup(scene_, vertex, query, interior_, i, rng);
+            const double found = SampleGroup(scene, vertex, query, interior, i, rng);
             rays.push_back({i, share, share, RatioOf(found, g[i])});
         }
     }
     void TraceToDrawn(const PrepassVertex &vertex, const LightQuery &query, Rng &rng,
                       std::vector<ShadowRay> &rays) const {
         const size_t first = rays.size();
-        const Draws draws(importance_, tree_, query);
+        static_assert(LightTree::kBaseNodes + LightTree::kFarNodes <= kMaxScanned);
+        alignas(32) Float weights[kMaxScanned];
+        const std::span<const uint32_t> nodes = tree ? tree->BaseCut() : std::span<const uint32_t>();
+        const size_t count = tree ? nodes.size() : importance.Size();
+        const Float sum = tree ? tree->Evaluate(query, nodes, weights) : importance.Evaluate(query, weights);
+        const auto draw = [&](Float u) -> std::optional<SampledLight> {
+            const auto chosen = ChooseByWeight<Float>(count, u * sum, [&](uint32_t i) { return weights[i]; });
+            if (!chosen) return {};
+            const Float g = chosen.weight;
+            if (!tree) return SampledLight{LightId(chosen.index), g / sum};
+            std::optional<SampledLight> light = tree->SampleWithin(
+                nodes[chosen.index], query, std::clamp((u * sum - chosen.before) / g, Float(0), OneMinusEpsilon));
+            if (light) light->pmf *= g / sum;
+            return light;
+        };
         double total = 0;
-        for (size_t k = 0; k < perRecord_; ++k) {
-            // Stratified in `perRecord_` equal strata.
-            const Float u = (Float(k) + rng.Uniform()) / Float(perRecord_);
-            std::optional<SampledLight> drawn = draws.Draw(std::min(u, OneMinusEpsilon));
+        for (size_t k = 0; k < perRecord; ++k) {
+            // Stratified in `perRecord` equal strata.
+            const Float u = (Float(k) + rng.Uniform()) / Float(perRecord);
+            std::optional<SampledLight> drawn = draw(std::min(u, OneMinusEpsilon));
             if (!drawn) continue;
-            const Float g = importance_.Of(query, drawn->light.value);
+            const Float g = importance.Of(query, drawn->light.value);
             if (!(g > 0)) continue;
-            const double found = SampleGroup(scene_, vertex, query, interior_, drawn->light.value, rng);
+            const double found = SampleGroup(scene, vertex, query, interior, drawn->light.value, rng);
             total += double(g / drawn->pmf);
             rays.push_back({drawn->light.value, g, g / drawn->pmf, RatioOf(found, g)});
         }
-        const double unoccluded = total / double(perRecord_);
+        const double unoccluded = total / double(perRecord);
         for (size_t t = first; t < rays.size(); ++t) {
             rays[t].share = Float(double(rays[t].share) / unoccluded);
             rays[t].weight = Float(double(rays[t].weight) / total);
         }
     }
-
-    const Scene &scene_;
-    const size_t groups_;
-    const GroupImportance &importance_;
-    const MeshInterior &interior_;
-    const LightTree *tree_;
-    const size_t perRecord_;
 };
 
 void Exchange(Team &team, std::vector<VisibilityRecords> &chunks) {
@@ -191,7 +167,7 @@ VisibilityRecords TraceVisibility(PrepareContext &context, std::span<const Prepa
             vertices.size(), perRecord, std::numeric_limits<uint32_t>::max());
     std::vector<VisibilityRecords> chunks((count + kChunk - 1) / kChunk);
     context.progress.BeginPhase("shadow rays", chunks.size());
-    const ShadowRayTracer tracer(context.scene, groups, importance, interior, tree, perRecord);
+    const ShadowRayTracer tracer{context.scene, groups.Size(), importance, interior, tree, perRecord};
     ParallelForEach(chunks.size(), [&](int64_t chunk) {
         if (context.progress.Cancelled() || !IsMine(context.team, chunk)) return;
         std::vector<Float> g;

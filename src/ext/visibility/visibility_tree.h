@@ -21,8 +21,7 @@ inline bool IsPositive(Float v) { return v >= 0 && std::isfinite(v); }
 /// arithmetic without pointers. The row's content is defined by the caller.
 class CellOctree {
   public:
-    /// Cells per axis of the undivided top grid (paper, "Implementation Details").
-    static constexpr int TopCells = 4;
+    static constexpr int TopCells = 4;  ///< cells per axis of the undivided top grid (paper, "Implementation Details")
     static constexpr uint32_t TopCount = TopCells * TopCells * TopCells;
     /// Deepest level; positions are quantized to 21 bits per axis. The top grid is level 2.
     static constexpr int MaxDepth = 21;

@@ -77,8 +77,7 @@ class VisibilityTreeBuilder {
         return tree;
     }
 
-    /// Valid after Build.
-    size_t LeavesBeforePruning() const { return leavesBefore_; }
+    size_t LeavesBeforePruning() const { return leavesBefore_; }  ///< valid after Build
     /// Valid after Build, for inspection: leaves, and records per leaf, indexed by CellOctree::Cell::node.
     const std::vector<LeafSize> &Leaves() const { return leaves_; }
     const std::vector<uint32_t> &RecordsPerNode() const { return recordsPerNode_; }
@@ -251,14 +250,12 @@ class VisibilityTreeBuilder {
     }
     void Prune() {
         std::vector<double> best(order_.size(), 0);
-        int deepest = 0;
-        for (const Node &n : nodes_) deepest = std::max(deepest, n.depth);
-        std::vector<std::vector<uint32_t>> levels(deepest + 1);
-        for (uint32_t n = 0; n < nodes_.size(); ++n) levels[nodes_[n].depth].push_back(n);
-        for (size_t level = levels.size(); level-- > 0;)
-            ParallelForEach(levels[level].size(), [&](int64_t index) {
+        // By levels, as in Estimate, the deepest first.
+        for (size_t begin = nodes_.size(), end = begin; end > 0; end = begin) {
+            while (begin > 0 && nodes_[begin - 1].depth == nodes_[end - 1].depth) --begin;
+            ParallelForEach(end - begin, [&](int64_t index) {
                 if (Stopped()) return;
-                Node &node = nodes_[levels[level][index]];
+                Node &node = nodes_[begin + index];
                 double here = 0, below = 0, squares = 0;
                 std::vector<double> loss(node.end - node.begin, 0);
                 for (uint32_t i = node.begin; i < node.end; ++i) {
@@ -270,12 +267,12 @@ class VisibilityTreeBuilder {
                 }
                 // A split is kept if its gain exceeds both pruneGain of the loss and the noise.
                 const double gain = here - below;
-                bool keep =
-                    node.firstChild != 0 && gain > double(settings_.pruneGain) * here && gain > std::sqrt(squares);
-                if (keep) return;
+                if (node.firstChild != 0 && gain > double(settings_.pruneGain) * here && gain > std::sqrt(squares))
+                    return;
                 node.pruned = true;
                 std::copy(loss.begin(), loss.end(), best.begin() + node.begin);
             });
+        }
     }
     VisibilityTree Freeze() {
         VisibilityTree tree;

@@ -14,8 +14,7 @@ VoxelGrid::VoxelGrid(const Bounds3 &bounds, int voxels) {
     Float longest = MaxComponent(extent);
     for (int i = 0; i < 3; ++i) {
         if (!(extent[i] > 0)) continue;
-        auto n = int(std::lround(extent[i] / longest * Float(voxels)));
-        resolution_[i] = std::max(1, n);
+        resolution_[i] = std::max(1, int(std::lround(extent[i] / longest * Float(voxels))));
         scale_[i] = Float(resolution_[i]) / extent[i];
         size_[i] = extent[i] / Float(resolution_[i]);
     }

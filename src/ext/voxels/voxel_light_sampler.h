@@ -47,10 +47,8 @@ class LazyRows {
 
     size_t Size() const { return count_; }
     size_t Filled() const { return filled_.load(); }
-    /// Rows discarded because another thread published first.
-    size_t Discarded() const { return discarded_.load(); }
-    /// CPU time in `fill`, summed over threads.
-    double FillThreadSeconds() const { return seconds_.load(); }
+    size_t Discarded() const { return discarded_.load(); }  ///< rows discarded because another thread published first
+    double FillThreadSeconds() const { return seconds_.load(); }  ///< CPU time in `fill`, summed over threads
     size_t Bytes() const { return count_ * sizeof(T *) + Filled() * length_ * sizeof(T); }
     /// Adds times and numbers of rows that are voxels to a light sampler's report.
     void Report(auto &report, double prepareSeconds) const {
@@ -107,7 +105,10 @@ class VoxelGrid {
     const glm::ivec3 &Resolution() const { return resolution_; }
     const Vector3 &VoxelSize() const { return size_; }
     /// Point of a voxel; u in [0, 1]^3.
-    Point3 PointIn(uint32_t index, const Vector3 &u) const { return low_ + (Corner(index) + u) * size_; }
+    Point3 PointIn(uint32_t index, const Vector3 &u) const {
+        const auto x = uint32_t(resolution_.x), y = uint32_t(resolution_.y);
+        return low_ + (Vector3(glm::uvec3(index % x, index / x % y, index / x / y)) + u) * size_;
+    }
     /// Voxels with a face on the grid's border: an estimate of the number of voxels with surfaces.
     size_t BorderSize() const;
     std::string Describe() const;  ///< a line with resolution and voxel size
@@ -115,10 +116,6 @@ class VoxelGrid {
   private:
     static uint32_t Clamped(Float q, int resolution) {
         return uint32_t(std::max(Float(0), std::min(q, Float(resolution - 1))));
-    }
-    Vector3 Corner(uint32_t index) const {
-        auto x = uint32_t(resolution_.x), y = uint32_t(resolution_.y);
-        return Vector3(glm::uvec3(index % x, index / x % y, index / x / y));
     }
 
     Point3 low_{0, 0, 0};
@@ -139,8 +136,6 @@ inline Float FixedCdfPMF(std::span<const uint32_t> begins, uint32_t index) {
     return Float(end - begins[index]) * 0x1p-32f;
 }
 
-inline Float FixedCdfBegin(std::span<const uint32_t> begins, uint32_t index) { return Float(begins[index]) * 0x1p-32f; }
-
 /// Entry for a uniform number u. A float near 1 has 24 bits, too few for narrow entries, so lower bits come from a hash
 /// of u and the query point `p`.
 uint32_t SampleFixedCdf(std::span<const uint32_t> begins, Float u, const Point3 &p);
@@ -154,7 +149,7 @@ class VoxelLightSampler : public GroupLightSampler {
         const std::span<const uint32_t> cdf = Weighed(weights);
         const uint32_t group = SampleFixedCdf(cdf, u, query.p);
         const Float pmf = FixedCdfPMF(cdf, group);
-        return ChosenGroup{group, pmf, LightGroups::InnerNumber(u, query.p, FixedCdfBegin(cdf, group), pmf)};
+        return ChosenGroup{group, pmf, LightGroups::InnerNumber(u, query.p, Float(cdf[group]) * 0x1p-32f, pmf)};
     }
     Float GroupProbability(const LightQuery &, const void *weights, uint32_t group) const final {
         return weights ? FixedCdfPMF(Weighed(weights), group) : 1 / Float(groups_.Size());

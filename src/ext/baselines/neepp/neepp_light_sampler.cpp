@@ -13,8 +13,7 @@
 
 namespace ext {
 namespace {
-/// Decorrelates the segments from other uses of the seed.
-constexpr uint64_t kStream = 0x6e65657070ull;
+constexpr uint64_t kStream = 0x6e65657070ull;  ///< decorrelates the segments from other uses of the seed
 
 Vector3 Uniform3(Rng &rng) {
     return {rng.Uniform(), rng.Uniform(), rng.Uniform()};  // in this order
@@ -73,7 +72,16 @@ class LightTargets::Builder {
                 light.SampleLi(center, {0.5f, 0.5f}, SampledWavelengths::WholeRange(), true);
             if (s) weights_[AddTarget({Kind::Direction, 0, s->wi})] += share;
         } else if (light.Kind() == LightKind::Infinite) {
-            AddEnvironment(light);
+            for (uint64_t k = 0; k < kEnvironmentSamples; ++k) {
+                // From points all over the scene, as the directions that a portal light samples depend on the point.
+                LightSampleContext from;
+                from.p = bounds_.low + bounds_.Diagonal() *
+                                           Vector3(RadicalInverse(5, k), RadicalInverse(7, k), RadicalInverse(11, k));
+                Point2 u(RadicalInverse(2, k), RadicalInverse(3, k));
+                std::optional<LightLiSample> s = light.SampleLi(from, u, SampledWavelengths::WholeRange(), true);
+                if (s && s->L && s->pdf > 0)
+                    weights_[SharedTarget(Kind::EnvironmentPart, EnvironmentPartOf(s->wi))] += 1;
+            }
         } else if (const ShapePrimitive at = light.Surface(); at.shape) {
             ForPointsOn(*at.shape, at.primitive, grid_, [&](const Point3 &p, Float part) {
                 weights_[SharedTarget(Kind::Voxel, grid_.Index(p))] += share * double(part);
@@ -95,17 +103,6 @@ class LightTargets::Builder {
   private:
     static constexpr uint32_t kNone = 0xffffffffu;
 
-    void AddEnvironment(const LightComponent &light) {
-        for (uint64_t k = 0; k < kEnvironmentSamples; ++k) {
-            // From points all over the scene, as the directions that a portal light samples depend on the point.
-            LightSampleContext from;
-            from.p = bounds_.low +
-                     bounds_.Diagonal() * Vector3(RadicalInverse(5, k), RadicalInverse(7, k), RadicalInverse(11, k));
-            Point2 u(RadicalInverse(2, k), RadicalInverse(3, k));
-            std::optional<LightLiSample> s = light.SampleLi(from, u, SampledWavelengths::WholeRange(), true);
-            if (s && s->L && s->pdf > 0) weights_[SharedTarget(Kind::EnvironmentPart, EnvironmentPartOf(s->wi))] += 1;
-        }
-    }
     uint32_t AddTarget(const Target &target) {
         made_.targets_.push_back(target);
         return uint32_t(made_.targets_.size() - 1);

@@ -12,8 +12,7 @@ namespace ext {
 /// equal-area division of the sphere for environment lights. Also stores each light group's targets and their shares.
 class LightTargets {
   public:
-    /// Cells per side of the sphere's equal-area square.
-    static constexpr int kEnvironmentSide = 8;
+    static constexpr int kEnvironmentSide = 8;  ///< cells per side of the sphere's equal-area square
 
     enum class Kind : uint8_t { Voxel, Direction, EnvironmentPart };
     struct Target {
@@ -39,10 +38,8 @@ class LightTargets {
         return {shares_.data() + first_[group], shares_.data() + first_[group + 1]};
     }
 
-    /// Cell of the sphere that contains the unit vector w.
-    static uint32_t EnvironmentPartOf(const Vector3 &w);
-    /// Unit vector in a cell of the sphere; u in [0, 1)^2.
-    static Vector3 DirectionIn(uint32_t part, const Point2 &u);
+    static uint32_t EnvironmentPartOf(const Vector3 &w);         ///< cell of the sphere that contains the unit vector w
+    static Vector3 DirectionIn(uint32_t part, const Point2 &u);  ///< unit vector in a cell of the sphere; u in [0, 1)^2
     size_t Bytes() const;
 
   private:

@@ -16,8 +16,6 @@ namespace {
 constexpr int kMaxSteps = 30;
 constexpr double kTolerance = 1e-3;
 
-double Square(Float v) { return double(v) * double(v); }
-
 /// -dS/dp times p^2 for one point of value 1, computed relative to max(p, r) to avoid under- and overflow: 1 for r = 0.
 /// Never negative: x^3 - 3x + 4 > 0 for x = p/r >= 0.
 double Gain(double p, double r) {
@@ -28,8 +26,7 @@ double Gain(double p, double r) {
     return p * p * p * (p * p * p - 3 * p * r * r + 4 * r * r * r) / (d * d * d);
 }
 
-/// Decorrelates this sampler from other uses of the seed.
-constexpr uint64_t kStream = 0x6f7261636c65ull;
+constexpr uint64_t kStream = 0x6f7261636c65ull;  ///< decorrelates this sampler from other uses of the seed
 
 /// f cos towards wi, and the BSDF sampling density there.
 struct Scattered {
@@ -58,7 +55,7 @@ bool MinVariancePmf(std::span<const LightPoint> points, std::span<double> pmf) {
     auto of = [&](size_t light) { return points.subspan(light * perLight, perLight); };
     auto root = [&](size_t light) {
         double m = 0;
-        for (const LightPoint &y : of(light)) m += Square(y.value);
+        for (const LightPoint &y : of(light)) m += Sqr(double(y.value));
         return std::sqrt(m);
     };
     double total = 0;
@@ -73,7 +70,7 @@ bool MinVariancePmf(std::span<const LightPoint> points, std::span<double> pmf) {
         for (size_t l = 0; l < lights; ++l) {
             double p = pmf[l], gain = 0;
             if (!(p > 0)) continue;
-            for (const LightPoint &y : of(l)) gain += Square(y.value) * Gain(p, double(y.ratio));
+            for (const LightPoint &y : of(l)) gain += Sqr(double(y.value)) * Gain(p, double(y.ratio));
             double target = std::sqrt(gain);  // unnormalized
             if (p > kTolerance) {
                 smallest = std::min(smallest, target / p);

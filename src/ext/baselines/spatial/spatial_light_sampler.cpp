@@ -12,8 +12,7 @@
 
 namespace ext {
 namespace {
-/// Decorrelates the shifts from other uses of the seed.
-constexpr uint64_t kStream = 0x7370617469616cull;
+constexpr uint64_t kStream = 0x7370617469616cull;  ///< decorrelates the shifts from other uses of the seed
 
 Float Shifted(Float u, Float shift) {
     Float v = u + shift;
@@ -24,11 +23,10 @@ Float Shifted(Float u, Float shift) {
 SpatialLightSampler::SpatialLightSampler(const LightTable &lights, const SpatialParams &params)
     : VoxelLightSampler(params.meshlights ? lights.ByLight() : lights.ByComponent()), lights_(lights), params_(params) {
     points_.resize(params.samples);
-    for (size_t i = 0; i < points_.size(); ++i) {
-        points_[i].place = {RadicalInverse(2, i), RadicalInverse(3, i), RadicalInverse(5, i)};
-        points_[i].uLight = {RadicalInverse(7, i), RadicalInverse(11, i)};
-        points_[i].uMember = RadicalInverse(13, i);
-    }
+    for (size_t i = 0; i < points_.size(); ++i)
+        points_[i] = {.place = {RadicalInverse(2, i), RadicalInverse(3, i), RadicalInverse(5, i)},
+                      .uMember = RadicalInverse(13, i),
+                      .uLight = {RadicalInverse(7, i), RadicalInverse(11, i)}};
 }
 
 void SpatialLightSampler::Prepare(PrepareContext &context) {

@@ -1,6 +1,4 @@
 #pragma once
-#include <array>
-
 #include "pbrt/core/error.h"
 #include "pbrt/core/parallel.h"
 #include "pbrt/images/image.h"

@@ -1,6 +1,4 @@
 #pragma once
-#include <optional>
-
 #include "pbrt/lights/light_bounds.h"
 #include "pbrt/math/ray.h"
 #include "pbrt/shapes/shape.h"

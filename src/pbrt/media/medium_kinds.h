@@ -1,6 +1,4 @@
 #pragma once
-#include <vector>
-
 #include "pbrt/media/medium.h"
 #include "pbrt/textures/noise.h"
 

@@ -1,4 +1,3 @@
-#include <array>
 #include <filesystem>
 #include <fstream>
 #include <iostream>  // required by NanoVDB

@@ -26,10 +26,6 @@ class DistantLight final : public LightBeyondScene {
         if (!L) return {};
         return LightLiSample{.L = L, .wi = wi_, .pdf = 1, .pLight = PointOutside(from.p, wi_)};
     }
-    Float PdfLi(const LightSampleContext &, const Vector3 &, const Point3 &, const Normal3 &, bool,
-                uint32_t) const override {
-        return 0;
-    }
     std::optional<LightLeSample> SampleLe(const Point2 &uPosition, const Point2 &, const SampledWavelengths &lambda,
                                           uint32_t) const override {
         return EvenlyAgainst(SampleLi({}, {}, lambda, false, 0), uPosition);

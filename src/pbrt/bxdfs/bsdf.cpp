@@ -2,8 +2,6 @@
 
 #include "pbrt/math/low_discrepancy.h"
 
-#include <type_traits>
-
 namespace pbrt {
 namespace {
 

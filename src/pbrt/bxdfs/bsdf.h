@@ -1,6 +1,4 @@
 #pragma once
-#include <optional>
-#include <span>
 #include <variant>
 
 #include "pbrt/bxdfs/boundaries.h"

@@ -1,6 +1,4 @@
 #pragma once
-#include <cstdint>
-
 #include "pbrt/spectra/spectrum.h"
 
 namespace pbrt {

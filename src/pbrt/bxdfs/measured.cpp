@@ -1,6 +1,7 @@
 #include "pbrt/bxdfs/measured.h"
 
 #include "pbrt/bxdfs/fresnel.h"
+#include "pbrt/math/catmull_rom.h"
 #include "pbrt/math/frame.h"
 #include "pbrt/math/warps.h"
 
@@ -17,16 +18,6 @@ Cell CellOf(Float x, int n) {
     Float at = (x > 0 ? std::min(x, Float(1)) : Float(0)) * Float(n - 1);
     int i = std::min(int(at), n - 2);
     return {i, at - Float(i)};
-}
-
-/// Last i in [0, n - 2] with sum(i) <= u; sum must not decrease.
-int LastNotAbove(int n, Float u, auto sum) {
-    int low = 0, high = n - 1;
-    while (high - low > 1) {
-        int middle = (low + high) / 2;
-        (sum(middle) <= u ? low : high) = middle;
-    }
-    return low;
 }
 
 /// Integral from 0 to t of a linear density from a at 0 to b at 1, and its inverse.
@@ -92,13 +83,14 @@ BilinearWarp::BilinearWarp(const GridSlices &values) : nx_(values.Nx()), ny_(val
 }
 
 BilinearWarp::Mapped BilinearWarp::Sample(const Point2 &u, const SliceBlend &blend) const {
-    const int y = LastNotAbove(ny_, u.y, [&](int i) { return MassBelowRow(blend, i); });
+    const int y = FindPiece(
+        ny_, [&](int i) { return MassBelowRow(blend, i); }, u.y);
     const Float row0 = Left(blend, nx_ - 1, y), row1 = Left(blend, nx_ - 1, y + 1);
     const Float ty = WhereMassIs(u.y - MassBelowRow(blend, y), row0, row1);
 
     auto left = [&](int i) { return Lerp(ty, Left(blend, i, y), Left(blend, i, y + 1)); };
     const Float mass = u.x * Lerp(ty, row0, row1);
-    const int x = LastNotAbove(nx_, mass, left);
+    const int x = FindPiece(nx_, left, mass);
     const Float d0 = Lerp(ty, Density(blend, x, y), Density(blend, x, y + 1));
     const Float d1 = Lerp(ty, Density(blend, x + 1, y), Density(blend, x + 1, y + 1));
     const Float tx = WhereMassIs(mass - left(x), d0, d1);

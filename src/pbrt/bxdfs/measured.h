@@ -1,8 +1,6 @@
 #pragma once
-#include <array>
 #include <bit>
 #include <optional>
-#include <vector>
 
 #include "pbrt/bxdfs/bxdf.h"
 #include "pbrt/math/vec.h"

@@ -1,8 +1,4 @@
 #pragma once
-#include <optional>
-#include <span>
-#include <vector>
-
 #include "pbrt/cameras/camera.h"
 #include "pbrt/core/files.h"
 #include "pbrt/images/image.h"

@@ -1,8 +1,5 @@
 #include "pbrt/cameras/camera_kinds.h"
 
-#include <cmath>
-#include <functional>
-
 #include "pbrt/core/files.h"
 
 namespace pbrt {

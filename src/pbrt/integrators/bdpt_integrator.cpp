@@ -347,14 +347,8 @@ SampledSpectrum BdptIntegrator::TracePair(const PathStart &start, SampledWavelen
                                           Float pixels, Float splatUnit, std::vector<CameraSplat> &splats) const {
     ++ThreadCounters().cameraPaths;
     Subpaths &paths = subpaths_[ThreadIndex()];
-    Sample sample{start,
-                  lambda,
-                  samplers,
-                  paths,
-                  start.ray.ray.time,
-                  pixels,
-                  splatUnit,
-                  {observer_, start.pixel, start.sampleIndex}};
+    const ObservedPath observed(observer_, start.pixel, start.sampleIndex);
+    Sample sample{start, lambda, samplers, paths, start.ray.ray.time, pixels, splatUnit, observed};
     TraceLight(sample);
     SampledSpectrum L = TraceCamera(sample);
     for (int t = 2; t <= paths.cameraCount; ++t) {

@@ -1,5 +1,4 @@
 #pragma once
-#include <utility>
 #include "pbrt/integrators/bdpt_path.h"
 #include "pbrt/integrators/pixel_integrator.h"
 #include "pbrt/integrators/strategy_images.h"

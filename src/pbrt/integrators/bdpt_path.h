@@ -1,6 +1,4 @@
 #pragma once
-#include <span>
-
 #include "pbrt/scene/scene.h"
 #include "pbrt/transport/vertex.h"
 

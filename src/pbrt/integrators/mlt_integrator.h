@@ -1,6 +1,4 @@
 #pragma once
-#include <vector>
-
 #include "pbrt/core/error.h"
 #include "pbrt/core/parallel.h"
 #include "pbrt/core/progress.h"

@@ -1,6 +1,4 @@
 #pragma once
-#include <memory>
-
 #include "pbrt/integrators/direction_sampling.h"
 
 namespace pbrt {

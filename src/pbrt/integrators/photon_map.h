@@ -1,7 +1,4 @@
 #pragma once
-#include <bit>
-#include <vector>
-
 #include "pbrt/math/rng.h"
 #include "pbrt/spectra/spectrum.h"
 

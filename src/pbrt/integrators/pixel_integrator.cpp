@@ -159,10 +159,9 @@ class PassRenderer {
         if (std::optional<CameraRay> ray = pass_.camera.GenerateRay(cs, sample.lambda)) {
             const SampledSpectrum weight = ray->weight;
             ray->differential.Scale(ray->ray, differentialScale_);
-            const PathStart start{{*ray, pixel, pass_.batchFirst + index, needsVisible_ ? &sample.visible : nullptr},
-                                  pass_,
-                                  sample.weight,
-                                  half};
+            auto *const visible = needsVisible_ ? &sample.visible : nullptr;
+            const CameraPathStart camera{*ray, pixel, pass_.batchFirst + index, visible};
+            const PathStart start{camera, pass_, sample.weight, half};
             sample.L = weight * integrator_.Li(start, sample.lambda, sampler);
         } else {
             sample.hasRay = false;

@@ -1,6 +1,4 @@
 #pragma once
-#include <memory>
-
 #include "pbrt/core/counters.h"
 #include "pbrt/core/memory.h"
 #include "pbrt/core/parallel.h"

@@ -1,8 +1,5 @@
 #pragma once
 #include <fmt/format.h>
-#include <array>
-#include <memory>
-#include <vector>
 
 #include "pbrt/integrators/integrator.h"
 

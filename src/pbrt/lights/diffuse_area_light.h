@@ -1,7 +1,4 @@
 #pragma once
-#include <span>
-#include <vector>
-
 #include "pbrt/images/image.h"
 #include "pbrt/lights/light.h"
 #include "pbrt/lights/light_factory.h"

@@ -1,7 +1,5 @@
 #include "pbrt/lights/environment_portals.h"
 
-#include <algorithm>
-
 #include "pbrt/core/error.h"
 #include "pbrt/core/parallel.h"
 

@@ -1,6 +1,4 @@
 #pragma once
-#include <array>
-
 #include "pbrt/core/error.h"
 #include "pbrt/core/parallel.h"
 #include "pbrt/images/image.h"
@@ -27,10 +25,6 @@ class DistantLight final : public LightBeyondScene {
         const SampledSpectrum L = scale_ * irradiance_->Sample(lambda);
         if (!L) return {};
         return LightLiSample{.L = L, .wi = wi_, .pdf = 1, .pLight = PointOutside(from.p, wi_)};
-    }
-    Float PdfLi(const LightSampleContext &, const Vector3 &, const Point3 &, const Normal3 &, bool,
-                uint32_t) const override {
-        return 0;
     }
     std::optional<LightLeSample> SampleLe(const Point2 &uPosition, const Point2 &, const SampledWavelengths &lambda,
                                           uint32_t) const override {

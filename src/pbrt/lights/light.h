@@ -1,6 +1,4 @@
 #pragma once
-#include <optional>
-
 #include "pbrt/lights/light_bounds.h"
 #include "pbrt/math/ray.h"
 #include "pbrt/shapes/shape.h"
@@ -83,8 +81,10 @@ class Light {
 
     /// Solid-angle density of SampleLi(from) for direction wi; 0 for delta lights. Area lights: the ray hits this
     /// component at pHit with normal nHit; infinite lights ignore these.
-    virtual Float PdfLi(const LightSampleContext &from, const Vector3 &wi, const Point3 &pHit, const Normal3 &nHit,
-                        bool allowIncompletePdfs, uint32_t component = 0) const = 0;
+    virtual Float PdfLi(const LightSampleContext &, const Vector3 & /*wi*/, const Point3 & /*pHit*/,
+                        const Normal3 & /*nHit*/, bool /*allowIncompletePdfs*/, uint32_t /*component*/ = 0) const {
+        return 0;
+    }
 
     /// Samples an emitted ray, nearly in proportion to flux, from two independent points of the unit square. Lights
     /// outside the scene require Preprocess. Empty where no light leaves.

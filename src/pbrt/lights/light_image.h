@@ -1,7 +1,4 @@
 #pragma once
-#include <functional>
-#include <memory>
-
 #include "pbrt/images/image.h"
 
 namespace pbrt {

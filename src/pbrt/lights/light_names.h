@@ -1,8 +1,6 @@
 #pragma once
 #include <algorithm>
 #include <filesystem>
-#include <string>
-#include <vector>
 
 #include "pbrt/core/error.h"
 #include "pbrt/core/ids.h"

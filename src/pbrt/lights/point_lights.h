@@ -30,10 +30,6 @@ class LightAtPoint : public Light {
         if (!L) return {};
         return LightLiSample{.L = L, .wi = d / std::sqrt(d2), .pdf = 1, .pLight = position_};
     }
-    Float PdfLi(const LightSampleContext &, const Vector3 &, const Point3 &, const Normal3 &, bool,
-                uint32_t) const final {
-        return 0;
-    }
     std::optional<LightLeSample> SampleLe(const Point2 &, const Point2 &uDirection, const SampledWavelengths &lambda,
                                           uint32_t) const final {
         const Self &self = static_cast<const Self &>(*this);

@@ -2,8 +2,6 @@
 #pragma GCC diagnostic ignored "-Wmaybe-uninitialized"
 #include "pbrt/lightsamplers/bvh_light_sampler.h"
 
-#include <array>
-#include <bit>
 #include <nlohmann/json.hpp>
 
 #include "pbrt/core/error.h"
@@ -159,6 +157,7 @@ LightBvhNode LightBvhBlock::Node(uint32_t lane) const {
 [[gnu::noinline]] void LightBvhBlock::Importances(const Point3 &p, const Normal3 &n, Float out[kLanes]) const {
     using Ops = SimdOps<kLanes>;
     using F = Ops::F;
+    auto load = [](const Float *values) { return Ops::Load(values); };
     auto cosine = [](const uint16_t *q) {
         const auto codes = LoadLanes<LanesOf<uint16_t, kLanes>>(q);
         const auto numbers = __builtin_convertvector(codes, LanesOf<int32_t, kLanes>);
@@ -173,20 +172,10 @@ LightBvhNode LightBvhBlock::Node(uint32_t lane) const {
     const F x = Ops::Select(z < F(0), withSign(F(1) - Ops::Abs(v), u), u);
     const F y = Ops::Select(z < F(0), withSign(F(1) - Ops::Abs(u), v), v);
     const F cosTheta_o = cosine(cosO);
-    const F signedPhi = Ops::Load(phi);
-    const detail::Emitters<F, Ops::Mask> e{Ops::Load(centerX),
-                                           Ops::Load(centerY),
-                                           Ops::Load(centerZ),
-                                           Ops::Load(radius),
-                                           x,
-                                           y,
-                                           z,
-                                           x * x + y * y + z * z,
-                                           Ops::Abs(signedPhi),
-                                           cosTheta_o,
-                                           detail::SineOf<Ops>(cosTheta_o),
-                                           cosine(cosE),
-                                           signedPhi < F(0)};
+    const F signedPhi = load(phi), length2 = x * x + y * y + z * z, sinTheta_o = detail::SineOf<Ops>(cosTheta_o);
+    const detail::Emitters<F, Ops::Mask> e{
+        load(centerX), load(centerY), load(centerZ), load(radius),    x, y, z, length2, Ops::Abs(signedPhi),
+        cosTheta_o,    sinTheta_o,    cosine(cosE),  signedPhi < F(0)};
     Ops::Store(detail::ImportanceOf<Ops>(e, p, n), out);
 }
 
@@ -320,16 +309,7 @@ LightBvhNode LightBvh::Build(std::span<Item> items, uint64_t trail, int depth, L
 }
 
 BVHLightSampler::BVHLightSampler(const LightGroups &groups)
-    : GroupLightSampler(groups, true), isInfinite_(groups.Size()) {
-    const std::vector<LightCandidate> candidates = groups.Candidates();
-    tree_ = LightBvh(candidates);
-    std::vector<uint32_t> infinite;
-    for (size_t i = 0; i < candidates.size(); ++i) {
-        isInfinite_[i] = candidates[i].infinite;
-        if (candidates[i].infinite) infinite.emplace_back(i);
-    }
-    infinite_ = InfiniteShare(std::move(infinite), !tree_.IsEmpty());
-}
+    : GroupLightSampler(groups, true), tree_(groups.Candidates()), infinite_(groups, !tree_.IsEmpty()) {}
 
 std::optional<GroupLightSampler::ChosenGroup> BVHLightSampler::ChooseGroup(const LightQuery &query, const void *,
                                                                            Float u) const {
@@ -346,7 +326,7 @@ std::optional<GroupLightSampler::ChosenGroup> BVHLightSampler::ChooseGroup(const
 }
 
 Float BVHLightSampler::GroupProbability(const LightQuery &query, const void *, uint32_t group) const {
-    if (isInfinite_[group]) return infinite_.Pmf();
+    if (infinite_.Holds(group)) return infinite_.Pmf();
     uint64_t trail = tree_.Trail(group);
     if (trail == LightBvh::NotInTree || !Reaches(query)) return 0;
     LightBvh::Node node = tree_.Root().LinkAndKind();

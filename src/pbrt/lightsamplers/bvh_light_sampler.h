@@ -146,7 +146,6 @@ class BVHLightSampler final : public GroupLightSampler {
 
     LightBvh tree_;
     InfiniteShare infinite_;
-    std::vector<bool> isInfinite_;
 };
 
 }  // namespace pbrt

@@ -8,22 +8,17 @@ namespace pbrt {
 
 ExhaustiveLightSampler::ExhaustiveLightSampler(const LightGroups &groups)
     : GroupLightSampler(groups, true), position_(groups.Size(), kNever) {
-    std::vector<uint32_t> infinite;
     for (uint32_t i = 0; i < groups.Size(); ++i) {
         const LightCandidate c = groups.Candidate(i);
-        if (c.infinite) {
-            position_[i] = kInfinite;
-            infinite.emplace_back(i);
-        } else if (c.bounds && c.bounds->phi > 0) {
-            size_t lane = lights_.size();
-            position_[i] = uint32_t(lane);
-            if (lane % kLanes == 0) packets_.emplace_back();
-            packets_.back().Set(int(lane % kLanes), c.bounds->Sphere());
-            lights_.push_back(i);
-        }
+        if (c.infinite || !c.bounds || !(c.bounds->phi > 0)) continue;
+        size_t lane = lights_.size();
+        position_[i] = uint32_t(lane);
+        if (lane % kLanes == 0) packets_.emplace_back();
+        packets_.back().Set(int(lane % kLanes), c.bounds->Sphere());
+        lights_.push_back(i);
     }
     blockSize_ = std::max<size_t>(1, (packets_.size() + kBlocks - 1) / kBlocks);
-    infinite_ = InfiniteShare(std::move(infinite), !lights_.empty());
+    infinite_ = InfiniteShare(groups, !lights_.empty());
 }
 
 // noinline: bit-identical results for all call sites.
@@ -84,8 +79,8 @@ std::optional<GroupLightSampler::ChosenGroup> ExhaustiveLightSampler::ChooseGrou
 Float ExhaustiveLightSampler::GroupProbability(const LightQuery &query, const void *weights, uint32_t group) const {
     const Sums &sums = *static_cast<const Sums *>(weights);
     const size_t position = position_[group];
+    if (infinite_.Holds(group)) return infinite_.Pmf();
     if (position == kNever) return 0;
-    if (position == kInfinite) return infinite_.Pmf();
     Float scratch[kLanes];
     Float weight = Lanes(position / kLanes, query, sums, scratch)[position % kLanes];
     if (!(weight > 0)) return 0;

@@ -35,8 +35,8 @@ class ExhaustiveLightSampler final : public GroupLightSampler {
 
     std::vector<LightPacket<kLanes>> packets_;
     std::vector<uint32_t> lights_;    ///< group of each lane, over all packets
-    std::vector<uint32_t> position_;  ///< lane of each group, or one of the two constants below
-    static constexpr uint32_t kInfinite = 0xffffffff, kNever = 0xfffffffe;
+    std::vector<uint32_t> position_;  ///< lane of each group, or kNever
+    static constexpr uint32_t kNever = 0xffffffff;
     size_t blockSize_ = 1;  ///< packets per block
     InfiniteShare infinite_;
 };

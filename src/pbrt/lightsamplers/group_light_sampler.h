@@ -1,9 +1,4 @@
 #pragma once
-#include <algorithm>
-#include <cstdint>
-#include <span>
-#include <vector>
-
 #include "pbrt/core/float.h"
 #include "pbrt/lights/light_table.h"
 #include "pbrt/lightsamplers/light_sampler.h"
@@ -78,14 +73,18 @@ class GroupLightSampler : public LightSampler {
 class InfiniteShare {
   public:
     InfiniteShare() = default;
-    InfiniteShare(std::vector<uint32_t> infinite, bool anyBounded)
-        : infinite_(std::move(infinite)), anyBounded_(anyBounded) {
+    InfiniteShare(const LightGroups &groups, bool anyBounded) : isInfinite_(groups.Size()), anyBounded_(anyBounded) {
+        for (uint32_t i = 0; i < groups.Size(); ++i) {
+            isInfinite_[i] = groups.Candidate(i).infinite;
+            if (isInfinite_[i]) infinite_.push_back(i);
+        }
         size_t shares = infinite_.size() + (anyBounded ? 1 : 0);
         share_ = shares > 0 ? 1 / Float(shares) : 0;
         boundedFrom_ = double(infinite_.size()) / double(std::max<size_t>(shares, 1));
     }
     /// Probability of each infinite light, and of all bounded ones together.
     Float Pmf() const { return share_; }
+    bool Holds(uint32_t group) const { return isInfinite_[group]; }
     /// Returns true for the bounded lights, remapping `u` to a fresh number; else sets `chosen`. There must be a light.
     bool ChooseBounded(double &u, uint32_t *chosen) const {
         if (anyBounded_ && u >= boundedFrom_) {
@@ -100,6 +99,7 @@ class InfiniteShare {
 
   private:
     std::vector<uint32_t> infinite_;
+    std::vector<bool> isInfinite_;  ///< by group
     bool anyBounded_ = false;
     Float share_ = 0;
     double boundedFrom_ = 0;

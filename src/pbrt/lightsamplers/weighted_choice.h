@@ -1,7 +1,4 @@
 #pragma once
-#include <algorithm>
-#include <optional>
-
 #include "pbrt/lightsamplers/light_sampler.h"
 
 namespace pbrt {

@@ -1,7 +1,5 @@
 #include "pbrt/materials/material_params.h"
 
-#include <algorithm>
-
 #include "pbrt/math/frame.h"
 #include "pbrt/textures/texture.h"
 

@@ -1,7 +1,4 @@
 #pragma once
-#include <functional>
-#include <string>
-
 #include "pbrt/core/factory_table.h"
 #include "pbrt/materials/material.h"
 #include "pbrt/textures/texture_factory.h"

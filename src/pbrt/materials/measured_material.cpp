@@ -1,5 +1,3 @@
-#include <bit>
-#include <cstring>
 
 #include "pbrt/core/files.h"
 #include "pbrt/materials/material_params.h"

@@ -1,7 +1,4 @@
 #pragma once
-#include <array>
-#include <bit>
-#include <cstdint>
 #include <span>
 #include <vector>
 

@@ -1,6 +1,5 @@
 #pragma once
 #include <bit>
-#include <limits>
 
 #include "pbrt/core/ids.h"
 #include "pbrt/math/vec.h"

@@ -1,8 +1,6 @@
 #pragma once
 #include <array>
 #include <bit>
-#include <cstdint>
-#include <cstring>
 #include <type_traits>
 
 #include "pbrt/math/lanes.h"

@@ -1,7 +1,6 @@
 #include "pbrt/math/sobol.h"
 
 #include <boost/random/sobol.hpp>
-#include <vector>
 
 #include "pbrt/core/error.h"
 

@@ -1,8 +1,4 @@
 #pragma once
-#include <array>
-#include <bit>
-#include <cstdint>
-
 #include "pbrt/math/lanes.h"
 #include "pbrt/math/low_discrepancy.h"
 

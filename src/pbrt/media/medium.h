@@ -1,9 +1,6 @@
 #pragma once
-#include <cstddef>
-#include <functional>
 #include <new>
 #include <type_traits>
-#include <vector>
 
 #include "pbrt/bxdfs/henyey_greenstein.h"
 #include "pbrt/math/bounds.h"
@@ -161,6 +158,10 @@ class MediumOnRay {
                 const MediumCoefficients &unit, const SampledSpectrum &majorant)
         : medium_(&medium), walk_(walk), lambda_(lambda), unit_(unit), majorant_(majorant) {}
 
+    /// With the majorant of density 1.
+    MediumOnRay(const Medium &medium, const GridWalk &walk, const SampledWavelengths &lambda,
+                const MediumCoefficients &unit)
+        : MediumOnRay(medium, walk, lambda, unit, unit.absorption + unit.scattering) {}
     const GridWalk &Walk() const { return walk_; }
     const SampledWavelengths &Lambda() const { return lambda_; }
     const MediumCoefficients &Unit() const { return unit_; }

@@ -1,6 +1,4 @@
 #pragma once
-#include <vector>
-
 #include "pbrt/media/medium.h"
 #include "pbrt/textures/noise.h"
 
@@ -43,8 +41,7 @@ class HomogeneousMedium final : public Medium {
           spectra_(std::move(spectra)) {}
     size_t Bytes() const override { return sizeof(*this) + spectra_.Bytes(); }
     MediumOnRay On(const Ray &, Float tMax, const SampledWavelengths &lambda) const override {
-        const MediumCoefficients c = spectra_.Sample(lambda);
-        return {*this, GridWalk(tMax), lambda, c, c.absorption + c.scattering};
+        return {*this, GridWalk(tMax), lambda, spectra_.Sample(lambda)};
     }
 
   private:
@@ -124,9 +121,7 @@ class CloudMedium final : public Medium {
           gridFromRender_(GridFromRender(renderFromMedium, bounds, glm::ivec3(1))) {}
     size_t Bytes() const override { return sizeof(*this) + spectra_.Bytes() + majorants_.Bytes(); }
     MediumOnRay On(const Ray &ray, Float tMax, const SampledWavelengths &lambda) const override {
-        const MediumCoefficients unit = spectra_.Sample(lambda);
-        return {*this, GridWalk(majorants_, gridFromRender_, ray, tMax), lambda, unit,
-                unit.absorption + unit.scattering};
+        return {*this, GridWalk(majorants_, gridFromRender_, ray, tMax), lambda, spectra_.Sample(lambda)};
     }
 
   private:

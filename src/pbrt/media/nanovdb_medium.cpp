@@ -1,4 +1,3 @@
-#include <array>
 #include <filesystem>
 #include <fstream>
 #include <iostream>  // required by NanoVDB
@@ -218,9 +217,7 @@ class NanoVdbMedium final : public Medium {
     }
 
     MediumOnRay On(const Ray &ray, Float tMax, const SampledWavelengths &lambda) const override {
-        const MediumCoefficients unit = spectra_.Sample(lambda);
-        MediumOnRay onRay(*this, GridWalk(majorants_, gridFromRender_, ray, tMax), lambda, unit,
-                          unit.absorption + unit.scattering);
+        MediumOnRay onRay(*this, GridWalk(majorants_, gridFromRender_, ray, tMax), lambda, spectra_.Sample(lambda));
         const VdbGrid &temperature = grids_.temperature ? grids_.temperature : grids_.density;
         OnRay &memory = onRay.MakeMemory(OnRay{grids_.density->getAccessor(), temperature->getAccessor(), {}, {}});
         if (IsEmissive() && onRay.Walk().Anchor() < Infinity) {

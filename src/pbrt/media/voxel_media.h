@@ -87,9 +87,7 @@ class UniformGridMedium final : public Medium {
         return sizeof(*this) + spectra_.Bytes() + majorants_.Bytes() + values * sizeof(Float);
     }
     MediumOnRay On(const Ray &ray, Float tMax, const SampledWavelengths &lambda) const override {
-        const MediumCoefficients unit = spectra_.Sample(lambda);
-        return {*this, GridWalk(majorants_, gridFromRender_, ray, tMax), lambda, unit,
-                unit.absorption + unit.scattering};
+        return {*this, GridWalk(majorants_, gridFromRender_, ray, tMax), lambda, spectra_.Sample(lambda)};
     }
 
   private:

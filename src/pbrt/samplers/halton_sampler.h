@@ -1,7 +1,4 @@
 #pragma once
-#include <array>
-#include <cstring>
-
 #include "pbrt/math/low_discrepancy.h"
 #include "pbrt/samplers/sampler.h"
 

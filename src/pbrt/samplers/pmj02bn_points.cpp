@@ -1,6 +1,3 @@
-#include <cmath>
-#include <functional>
-#include <span>
 
 #include "pbrt/core/error.h"
 #include "pbrt/math/sobol.h"

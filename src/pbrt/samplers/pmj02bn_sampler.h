@@ -1,7 +1,4 @@
 #pragma once
-#include <array>
-#include <vector>
-
 #include "pbrt/samplers/sobol_samplers.h"
 
 namespace pbrt {

@@ -1,7 +1,5 @@
 #include "pbrt/samplers/sampler.h"
 
-#include <bit>
-
 #include "pbrt/math/rng.h"
 #include "pbrt/samplers/halton_sampler.h"
 #include "pbrt/samplers/pmj02bn_sampler.h"
@@ -56,21 +54,16 @@ struct IndependentParams : CountParams {
     IndependentParams() { samples = 4; }
 };
 
-struct HaltonParams : CountParams {
-    Randomization randomization = Randomization::PermuteDigits;
+template <Randomization kDefault, const auto &kChoices>
+struct RandomizedParams : CountParams {
+    Randomization randomization = kDefault;
     void Describe(auto &&v) {
         CountParams::Describe(v);
-        v("randomization", randomization, kHaltonRandomizations, "randomization of the points");
+        v("randomization", randomization, kChoices, "randomization of the points");
     }
 };
-
-struct SobolParams : CountParams {
-    Randomization randomization = Randomization::FastOwen;
-    void Describe(auto &&v) {
-        CountParams::Describe(v);
-        v("randomization", randomization, kRandomizations, "randomization of the points");
-    }
-};
+using HaltonParams = RandomizedParams<Randomization::PermuteDigits, kHaltonRandomizations>;
+using SobolParams = RandomizedParams<Randomization::FastOwen, kRandomizations>;
 
 struct StratifiedParams : SeedParams {
     bool jitter = true;

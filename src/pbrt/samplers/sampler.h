@@ -1,6 +1,4 @@
 #pragma once
-#include <memory>
-
 #include "pbrt/core/factory_table.h"
 #include "pbrt/math/lanes.h"
 #include "pbrt/math/vec.h"

@@ -1,7 +1,4 @@
 #pragma once
-#include <array>
-#include <vector>
-
 #include "pbrt/math/sobol.h"
 #include "pbrt/samplers/sampler.h"
 

@@ -7,11 +7,6 @@ namespace {
 
 std::string PointText(const Point3 &p) { return fmt::format("({}, {}, {})", p.x, p.y, p.z); }
 
-const MeshData *MeshOf(const Shape &shape) {
-    const auto *mesh = dynamic_cast<const Mesh *>(&shape);
-    return mesh ? &mesh->Data() : nullptr;
-}
-
 }  // namespace
 
 Bounds3 TransformBounds(const Transform &t, const Bounds3 &b) {
@@ -23,8 +18,8 @@ Bounds3 TransformBounds(const Transform &t, const Bounds3 &b) {
 
 Bounds3 BoundsOf(const Shape &shape) {
     Bounds3 all;
-    if (const MeshData *mesh = MeshOf(shape)) {
-        for (const Point3 &p : mesh->p) all = Union(all, p);
+    if (const Mesh *mesh = Mesh::Of(shape)) {
+        for (const Point3 &p : mesh->Data().p) all = Union(all, p);
         return all;
     }
     for (uint32_t i = 0; i < shape.PrimitiveCount(); ++i) all = Union(all, shape.PrimitiveBounds(i));
@@ -41,11 +36,12 @@ void RequireReach(const std::string &what, const AnimatedTransform &place, const
 }
 
 void RequireReach(const std::string &what, const Shape &shape, const FileLoc &loc) {
-    if (const MeshData *mesh = MeshOf(shape)) {
-        for (size_t i = 0; i < mesh->p.size(); ++i)
-            if (!IsWithinReach(mesh->p[i]))
+    if (const Mesh *mesh = Mesh::Of(shape)) {
+        const std::vector<Point3> &p = mesh->Data().p;
+        for (size_t i = 0; i < p.size(); ++i)
+            if (!IsWithinReach(p[i]))
                 throw UserError(loc, "{}: vertex {} lies at {} after the transformation; coordinates must be {}.", what,
-                                i, PointText(mesh->p[i]), Text(kCoordinateRange));
+                                i, PointText(p[i]), Text(kCoordinateRange));
         return;
     }
     for (uint32_t i = 0; i < shape.PrimitiveCount(); ++i)

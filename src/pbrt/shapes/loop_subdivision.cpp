@@ -4,7 +4,6 @@
 #include <opensubdiv/far/topologyRefinerFactory.h>
 
 #include <map>
-#include <memory>
 
 #include "pbrt/core/error.h"
 

@@ -4,9 +4,11 @@
 
 namespace pbrt {
 
-Quadric::Quadric(ShapeKind kind, Float radius, Float phiMax, const Transform &renderFromObject, bool reverseOrientation)
-    : Shape(kind), radius_(radius), phiMax_(Radians(std::clamp(phiMax, Float(0), Float(360)))),
-      renderFromObject_(renderFromObject), isSimilarity_(renderFromObject.UniformScale(1e-4).has_value()),
+Quadric::Quadric(ShapeKind kind, Float radius, Float zMin, Float zMax, Float phiMax, const Transform &renderFromObject,
+                 bool reverseOrientation)
+    : Shape(kind), radius_(radius), zMin_(std::min(zMin, zMax)), zMax_(std::max(zMin, zMax)),
+      phiMax_(Radians(std::clamp(phiMax, Float(0), Float(360)))), renderFromObject_(renderFromObject),
+      isSimilarity_(renderFromObject.UniformScale(1e-4).has_value()),
       flipNormal_(reverseOrientation != renderFromObject.SwapsHandedness()) {
     // Double precision from the forward matrix, so that hits lie on the surface of Surface().
     glm::dmat3 m(renderFromObject.Matrix());
@@ -108,9 +110,9 @@ Float Quadric::PdfArea(uint32_t, const Point3 &p, const Normal3 &) const {
 
 Sphere::Sphere(Float radius, Float zMin, Float zMax, Float phiMax, const Transform &renderFromObject,
                bool reverseOrientation, bool opaque)
-    : Quadric(ShapeKind::Sphere, radius, phiMax, renderFromObject, reverseOrientation), opaque_(opaque) {
-    zMin_ = std::clamp(std::min(zMin, zMax), -radius, radius);
-    zMax_ = std::clamp(std::max(zMin, zMax), -radius, radius);
+    : Quadric(ShapeKind::Sphere, radius, std::clamp(zMin, -radius, radius), std::clamp(zMax, -radius, radius), phiMax,
+              renderFromObject, reverseOrientation),
+      opaque_(opaque) {
     thetaZMin_ = SafeACos(zMin_ / radius);
     thetaZMax_ = SafeACos(zMax_ / radius);
     center_ = renderFromObject.Point(Point3(0));

@@ -13,7 +13,9 @@ namespace pbrt {
 class Quadric : public Shape {
   public:
     uint32_t PrimitiveCount() const final { return 1; }
-    Bounds3 PrimitiveBounds(uint32_t) const final { return PlacedBounds(renderFromObject_, ObjectBounds()); }
+    Bounds3 PrimitiveBounds(uint32_t) const final {
+        return PlacedBounds(renderFromObject_, {{-radius_, -radius_, zMin_}, {radius_, radius_, zMax_}});
+    }
     Float Area(uint32_t) const final { return area_; }
     std::optional<PrimitiveHit> Intersect(uint32_t primitive, const Ray &ray, Float tMin) const final;
     SurfacePoint Surface(uint32_t primitive, const PrimitiveHit &hit) const final;
@@ -35,12 +37,12 @@ class Quadric : public Shape {
         double t[2] = {0, 0};
     };
 
-    /// phiMax in degrees.
-    Quadric(ShapeKind kind, Float radius, Float phiMax, const Transform &renderFromObject, bool reverseOrientation);
+    /// zMin and zMax in any order; phiMax in degrees.
+    Quadric(ShapeKind kind, Float radius, Float zMin, Float zMax, Float phiMax, const Transform &renderFromObject,
+            bool reverseOrientation);
     /// Sets the object-space area of the clipped surface; called at the end of derived constructors.
     void SetArea(Float objectArea);
 
-    virtual Bounds3 ObjectBounds() const = 0;
     virtual Roots ObjectIntersect(const glm::dvec3 &o, const glm::dvec3 &d) const = 0;
     /// (u, v) of a point of the unclipped surface; nullopt if clipped.
     virtual std::optional<Point2> Clip(const glm::dvec3 &p) const = 0;
@@ -75,7 +77,7 @@ class Quadric : public Shape {
     bool IsFullTurn() const { return phiMax_ >= Float(6.28318); }
     bool CutsAzimuth(double phi) const { return !IsFullTurn() && phi > double(phiMax_); }
 
-    Float radius_, phiMax_;  ///< phiMax_ in radians
+    Float radius_, zMin_, zMax_, phiMax_;  ///< phiMax_ in radians
 
   private:
     /// Rendering-space per object-space area for unit object normal n.
@@ -105,7 +107,7 @@ class Disk final : public Quadric {
     /// phiMax in degrees.
     Disk(Float height, Float radius, Float innerRadius, Float phiMax, const Transform &renderFromObject,
          bool reverseOrientation)
-        : Quadric(ShapeKind::Disk, radius, phiMax, renderFromObject, reverseOrientation), height_(height),
+        : Quadric(ShapeKind::Disk, radius, height, height, phiMax, renderFromObject, reverseOrientation),
           innerRadius_(std::max(innerRadius, Float(0))) {
         SetArea(phiMax_ / 2 * (radius_ * radius_ - innerRadius_ * innerRadius_));
     }
@@ -115,12 +117,9 @@ class Disk final : public Quadric {
     }
 
   protected:
-    Bounds3 ObjectBounds() const override {
-        return {Point3(-radius_, -radius_, height_), Point3(radius_, radius_, height_)};
-    }
     Roots ObjectIntersect(const glm::dvec3 &o, const glm::dvec3 &d) const override {
         if (d.z == 0) return {};
-        return {1, {(double(height_) - o.z) / d.z, 0}};
+        return {1, {(double(zMin_) - o.z) / d.z, 0}};
     }
     std::optional<Point2> Clip(const glm::dvec3 &p) const override {
         double r = std::sqrt(p.x * p.x + p.y * p.y), outer = double(radius_), inner = double(innerRadius_);
@@ -132,7 +131,7 @@ class Disk final : public Quadric {
     ObjectPoint PointAt(const Point2 &uv) const override {
         Float phi = uv.x * phiMax_, cosPhi = std::cos(phi), sinPhi = std::sin(phi);
         Float r = radius_ - uv.y * (radius_ - innerRadius_);
-        return {.p = {r * cosPhi, r * sinPhi, height_},
+        return {.p = {r * cosPhi, r * sinPhi, zMin_},
                 .n = {0, 0, 1},
                 .dpdu = Vector3(-sinPhi, cosPhi, 0) * (phiMax_ * std::max(r, Float(1e-5) * radius_)),
                 .dpdv = Vector3(cosPhi, sinPhi, 0) * (innerRadius_ - radius_)};
@@ -143,13 +142,13 @@ class Disk final : public Quadric {
         Float r, phi;
         if (innerRadius_ == 0 && IsFullTurn()) {
             Point2 d = SampleUniformDiskConcentric(u) * radius_;
-            at.p = {d.x, d.y, height_};
+            at.p = {d.x, d.y, zMin_};
             r = std::sqrt(d.x * d.x + d.y * d.y);
             phi = Azimuth(d.x, d.y);
         } else {
             r = std::sqrt(Lerp(u.x, innerRadius_ * innerRadius_, radius_ * radius_));
             phi = u.y * phiMax_;
-            at.p = {r * std::cos(phi), r * std::sin(phi), height_};
+            at.p = {r * std::cos(phi), r * std::sin(phi), zMin_};
         }
         at.uv = {phi / phiMax_, (radius_ - r) / (radius_ - innerRadius_)};
         return at;
@@ -157,7 +156,7 @@ class Disk final : public Quadric {
     Normal3 NormalAt(const Point3 &) const override { return {0, 0, 1}; }
 
   private:
-    Float height_, innerRadius_;
+    Float innerRadius_;
 };
 
 /// Open cylinder about the z axis between zMin and zMax, cut at phiMax.
@@ -166,15 +165,11 @@ class Cylinder final : public Quadric {
     /// zMin and zMax in any order; phiMax in degrees.
     Cylinder(Float radius, Float zMin, Float zMax, Float phiMax, const Transform &renderFromObject,
              bool reverseOrientation)
-        : Quadric(ShapeKind::Cylinder, radius, phiMax, renderFromObject, reverseOrientation),
-          zMin_(std::min(zMin, zMax)), zMax_(std::max(zMin, zMax)) {
+        : Quadric(ShapeKind::Cylinder, radius, zMin, zMax, phiMax, renderFromObject, reverseOrientation) {
         SetArea((zMax_ - zMin_) * radius_ * phiMax_);
     }
 
   protected:
-    Bounds3 ObjectBounds() const override {
-        return {Point3(-radius_, -radius_, zMin_), Point3(radius_, radius_, zMax_)};
-    }
     Roots ObjectIntersect(const glm::dvec3 &o, const glm::dvec3 &d) const override {
         return RoundRoots(glm::dvec2(o), glm::dvec2(d));
     }
@@ -204,9 +199,6 @@ class Cylinder final : public Quadric {
         return {at.p, at.pError, at.n, {u.y, u.x}, 0};
     }
     Normal3 NormalAt(const Point3 &p) const override { return {p.x, p.y, 0}; }
-
-  private:
-    Float zMin_, zMax_;
 };
 
 /// Sphere about the object-space origin, cut at zMin, zMax and phiMax.
@@ -228,9 +220,6 @@ class Sphere final : public Quadric {
                         const Normal3 &nHit) const override;
 
   protected:
-    Bounds3 ObjectBounds() const override {
-        return {Point3(-radius_, -radius_, zMin_), Point3(radius_, radius_, zMax_)};
-    }
     Roots ObjectIntersect(const glm::dvec3 &o, const glm::dvec3 &d) const override { return RoundRoots(o, d); }
     std::optional<Point2> Clip(const glm::dvec3 &p) const override;
     ObjectPoint PointAt(const Point2 &uv) const override;
@@ -254,7 +243,7 @@ class Sphere final : public Quadric {
     /// True if the ray from `from` to surface point p has no earlier hit on this sphere.
     bool IsMetFirst(const ShapeSampleContext &from, const Vector3 &wi, const Point3 &p) const;
 
-    Float zMin_, zMax_, thetaZMin_, thetaZMax_;
+    Float thetaZMin_, thetaZMax_;
     bool opaque_;
     Float coneShare_;     ///< probability of cone sampling from outside; 1 for a full opaque sphere
     Point3 center_;       ///< rendering space

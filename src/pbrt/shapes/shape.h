@@ -1,6 +1,4 @@
 #pragma once
-#include <optional>
-
 #include "pbrt/core/ids.h"
 #include "pbrt/math/bounds.h"
 #include "pbrt/math/transform.h"

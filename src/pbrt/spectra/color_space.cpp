@@ -1,8 +1,6 @@
 #include "pbrt/spectra/color_space.h"
 
-#include <algorithm>
 #include <cstring>
-#include <limits>
 
 #include "pbrt/core/error.h"
 #include "pbrt/core/files.h"

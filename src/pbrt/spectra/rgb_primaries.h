@@ -1,8 +1,4 @@
 #pragma once
-#include <array>
-#include <span>
-#include <string>
-
 #include "pbrt/spectra/spectrum.h"
 
 namespace pbrt {

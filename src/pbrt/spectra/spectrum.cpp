@@ -1,7 +1,5 @@
 #include "pbrt/spectra/spectrum.h"
 
-#include <algorithm>
-
 #include "pbrt/core/error.h"
 
 namespace pbrt {

@@ -1,6 +1,5 @@
 #include "pbrt/textures/noise.h"
 
-#include <algorithm>
 #include <array>
 #include <cstdint>
 

@@ -1,7 +1,4 @@
 #pragma once
-#include <memory>
-#include <optional>
-
 #include "pbrt/shapes/shape.h"
 #include "pbrt/spectra/spectrum.h"
 

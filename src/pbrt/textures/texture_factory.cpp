@@ -1,8 +1,5 @@
 #include "pbrt/textures/texture_factory.h"
 
-#include <algorithm>
-#include <array>
-
 #include "pbrt/core/params.h"
 #include "pbrt/textures/texture_makers.h"
 

@@ -1,7 +1,4 @@
 #pragma once
-#include <memory>
-#include <string>
-
 #include "pbrt/core/files.h"
 #include "pbrt/images/image.h"
 #include "pbrt/math/transform.h"

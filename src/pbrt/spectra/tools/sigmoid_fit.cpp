@@ -1,7 +1,5 @@
 #include "pbrt/spectra/tools/sigmoid_fit.h"
 
-#include <cmath>
-
 #include "pbrt/spectra/spectrum.h"
 
 namespace pbrt {

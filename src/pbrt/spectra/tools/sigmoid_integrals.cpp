@@ -1,7 +1,5 @@
 #include "pbrt/spectra/tools/sigmoid_fit.h"
 
-#include <cmath>
-
 namespace pbrt {
 
 void IntegrateSigmoid(const ReflectanceWeights &w, const double c[3], SigmoidIntegrals *result) {

@@ -1,5 +1,7 @@
 #include "pbrt/bxdfs/bsdf.h"
 
+#include <type_traits>
+
 #include "pbrt/math/low_discrepancy.h"
 
 namespace pbrt {

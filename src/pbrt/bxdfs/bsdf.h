@@ -1,4 +1,6 @@
 #pragma once
+#include <optional>
+#include <span>
 #include <variant>
 
 #include "pbrt/bxdfs/boundaries.h"

@@ -1,4 +1,9 @@
 #pragma once
+#include <array>
+#include <memory>
+#include <optional>
+#include <vector>
+
 #include "pbrt/bxdfs/bsdf.h"
 #include "pbrt/math/catmull_rom.h"
 #include "pbrt/spectra/spectrum.h"

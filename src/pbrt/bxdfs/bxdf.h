@@ -1,4 +1,6 @@
 #pragma once
+#include <cstdint>
+
 #include "pbrt/spectra/spectrum.h"
 
 namespace pbrt {

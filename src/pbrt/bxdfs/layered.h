@@ -1,4 +1,10 @@
 #pragma once
+#include <array>
+#include <bit>
+#include <memory>
+#include <optional>
+#include <vector>
+
 #include "pbrt/bxdfs/boundaries.h"
 #include "pbrt/bxdfs/diffuse.h"
 

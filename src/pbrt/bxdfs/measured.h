@@ -1,6 +1,8 @@
 #pragma once
+#include <array>
 #include <bit>
 #include <optional>
+#include <vector>
 
 #include "pbrt/bxdfs/bxdf.h"
 #include "pbrt/math/vec.h"

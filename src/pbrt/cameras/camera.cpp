@@ -1,5 +1,8 @@
 #include "pbrt/cameras/camera.h"
 
+#include <algorithm>
+#include <limits>
+
 #include "pbrt/cameras/camera_kinds.h"
 #include "pbrt/core/params.h"
 #include "pbrt/math/frame.h"

@@ -1,4 +1,8 @@
 #pragma once
+#include <array>
+#include <memory>
+#include <optional>
+
 #include "pbrt/core/factory_table.h"
 #include "pbrt/core/files.h"
 #include "pbrt/math/animated_transform.h"

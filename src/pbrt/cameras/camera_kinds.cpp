@@ -1,5 +1,8 @@
 #include "pbrt/cameras/camera_kinds.h"
 
+#include <algorithm>
+#include <array>
+
 #include "pbrt/core/parallel.h"
 #include "pbrt/math/warps.h"
 

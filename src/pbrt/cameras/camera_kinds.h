@@ -1,4 +1,8 @@
 #pragma once
+#include <optional>
+#include <span>
+#include <vector>
+
 #include "pbrt/cameras/camera.h"
 #include "pbrt/core/files.h"
 #include "pbrt/images/image.h"

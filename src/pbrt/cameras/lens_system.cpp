@@ -1,3 +1,6 @@
+#include <cmath>
+#include <functional>
+
 #include "pbrt/cameras/camera_kinds.h"
 
 #include "pbrt/core/files.h"

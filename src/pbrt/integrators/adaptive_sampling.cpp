@@ -1,5 +1,9 @@
 #include "pbrt/integrators/adaptive_sampling.h"
 
+#include <algorithm>
+#include <cmath>
+#include <functional>
+
 #include "pbrt/core/parallel.h"
 #include "pbrt/images/metrics.h"
 

@@ -1,4 +1,7 @@
 #pragma once
+#include <optional>
+#include <vector>
+
 #include "pbrt/films/film.h"
 #include "pbrt/films/sample_plan.h"
 

@@ -1,4 +1,6 @@
 #pragma once
+#include <utility>
+
 #include "pbrt/integrators/bdpt_path.h"
 #include "pbrt/integrators/pixel_integrator.h"
 #include "pbrt/integrators/strategy_images.h"

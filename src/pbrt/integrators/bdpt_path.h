@@ -1,4 +1,6 @@
 #pragma once
+#include <span>
+
 #include "pbrt/scene/scene.h"
 #include "pbrt/transport/vertex.h"
 

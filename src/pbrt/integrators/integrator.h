@@ -1,4 +1,9 @@
 #pragma once
+#include <functional>
+#include <limits>
+#include <span>
+#include <string_view>
+
 #include "pbrt/cameras/camera.h"
 #include "pbrt/core/online_model.h"
 #include "pbrt/core/team.h"

@@ -1,4 +1,6 @@
 #pragma once
+#include <vector>
+
 #include "pbrt/core/error.h"
 #include "pbrt/core/parallel.h"
 #include "pbrt/core/progress.h"

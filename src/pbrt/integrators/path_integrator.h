@@ -1,4 +1,6 @@
 #pragma once
+#include <memory>
+
 #include "pbrt/integrators/direction_sampling.h"
 
 namespace pbrt {

@@ -1,4 +1,7 @@
 #pragma once
+#include <bit>
+#include <vector>
+
 #include "pbrt/math/rng.h"
 #include "pbrt/spectra/spectrum.h"
 

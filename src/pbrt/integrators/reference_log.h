@@ -1,6 +1,10 @@
 #pragma once
 #include <cerrno>
 #include <cstdio>
+#include <cstring>
+#include <memory>
+#include <optional>
+#include <string>
 
 #include "pbrt/films/film.h"
 #include "pbrt/images/metrics.h"

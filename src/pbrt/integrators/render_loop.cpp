@@ -1,4 +1,6 @@
 
+#include <limits>
+
 #include "pbrt/integrators/reference_log.h"
 #include "pbrt/integrators/wave_renderer.h"
 

@@ -1,4 +1,10 @@
 #pragma once
+#include <chrono>
+#include <functional>
+#include <optional>
+#include <string>
+#include <vector>
+
 #include "pbrt/films/film.h"
 #include "pbrt/integrators/adaptive_sampling.h"
 #include "pbrt/integrators/integrator.h"

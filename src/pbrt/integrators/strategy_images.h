@@ -1,5 +1,8 @@
 #pragma once
 #include <fmt/format.h>
+#include <array>
+#include <memory>
+#include <vector>
 
 #include "pbrt/integrators/integrator.h"
 

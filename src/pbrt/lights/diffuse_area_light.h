@@ -1,4 +1,7 @@
 #pragma once
+#include <span>
+#include <vector>
+
 #include "pbrt/images/image.h"
 #include "pbrt/lights/light.h"
 #include "pbrt/lights/light_factory.h"

@@ -1,5 +1,7 @@
 #include "pbrt/lights/environment_portals.h"
 
+#include <algorithm>
+
 #include "pbrt/core/error.h"
 #include "pbrt/core/parallel.h"
 

@@ -1,4 +1,10 @@
 #pragma once
+#include <array>
+#include <optional>
+#include <span>
+#include <string>
+#include <vector>
+
 #include "pbrt/lights/environment_light.h"
 #include "pbrt/math/distributions.h"
 #include "pbrt/math/frame.h"

@@ -1,4 +1,6 @@
 #pragma once
+#include <array>
+
 #include "pbrt/core/error.h"
 #include "pbrt/core/parallel.h"
 #include "pbrt/images/image.h"

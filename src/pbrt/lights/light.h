@@ -1,4 +1,6 @@
 #pragma once
+#include <optional>
+
 #include "pbrt/lights/light_bounds.h"
 #include "pbrt/math/ray.h"
 #include "pbrt/shapes/shape.h"

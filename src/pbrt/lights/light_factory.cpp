@@ -1,5 +1,9 @@
 #include "pbrt/lights/light_factory.h"
 
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
 #include "pbrt/core/params.h"
 #include "pbrt/lights/diffuse_area_light.h"
 #include "pbrt/lights/infinite_lights.h"

@@ -1,4 +1,8 @@
 #pragma once
+#include <functional>
+#include <memory>
+#include <span>
+
 #include "pbrt/core/factory_table.h"
 #include "pbrt/core/files.h"
 #include "pbrt/lights/light.h"

@@ -1,6 +1,8 @@
 #pragma once
 #include <algorithm>
 #include <filesystem>
+#include <string>
+#include <vector>
 
 #include "pbrt/core/error.h"
 #include "pbrt/core/ids.h"

@@ -1,4 +1,9 @@
 #pragma once
+#include <algorithm>
+#include <memory>
+#include <span>
+#include <vector>
+
 #include "pbrt/core/error.h"
 #include "pbrt/core/ids.h"
 #include "pbrt/lights/light.h"

@@ -2,6 +2,9 @@
 #pragma GCC diagnostic ignored "-Wmaybe-uninitialized"
 #include "pbrt/lightsamplers/bvh_light_sampler.h"
 
+#include <array>
+#include <bit>
+
 #include <nlohmann/json.hpp>
 
 #include "pbrt/core/error.h"

@@ -1,4 +1,9 @@
 #pragma once
+#include <algorithm>
+#include <cstdint>
+#include <span>
+#include <vector>
+
 #include "pbrt/core/float.h"
 #include "pbrt/lights/light_table.h"
 #include "pbrt/lightsamplers/light_sampler.h"

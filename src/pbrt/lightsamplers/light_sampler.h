@@ -1,5 +1,12 @@
 #pragma once
+#include <cstddef>
+#include <functional>
+#include <memory>
 #include <nlohmann/json_fwd.hpp>
+#include <optional>
+#include <string>
+#include <type_traits>
+#include <vector>
 
 #include "pbrt/core/ids.h"
 #include "pbrt/core/progress.h"

@@ -1,4 +1,7 @@
 #pragma once
+#include <algorithm>
+#include <optional>
+
 #include "pbrt/lightsamplers/light_sampler.h"
 
 namespace pbrt {

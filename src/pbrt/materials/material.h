@@ -1,4 +1,6 @@
 #pragma once
+#include <memory>
+
 #include "pbrt/bxdfs/bsdf.h"
 #include "pbrt/bxdfs/bssrdf.h"
 #include "pbrt/shapes/shape.h"

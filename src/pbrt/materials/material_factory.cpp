@@ -1,3 +1,5 @@
+#include <algorithm>
+
 #include "pbrt/materials/material_params.h"
 
 #include "pbrt/math/frame.h"

@@ -1,4 +1,7 @@
 #pragma once
+#include <functional>
+#include <string>
+
 #include "pbrt/core/factory_table.h"
 #include "pbrt/materials/material.h"
 #include "pbrt/textures/texture_factory.h"

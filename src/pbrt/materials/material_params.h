@@ -1,4 +1,6 @@
 #pragma once
+#include <memory>
+
 #include "pbrt/bxdfs/layered.h"
 #include "pbrt/images/image.h"
 #include "pbrt/materials/material.h"

@@ -1,4 +1,7 @@
 
+#include <bit>
+#include <cstring>
+
 #include "pbrt/core/files.h"
 #include "pbrt/materials/material_params.h"
 

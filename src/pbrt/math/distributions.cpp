@@ -1,5 +1,7 @@
 #include "pbrt/math/distributions.h"
 
+#include <algorithm>
+
 namespace pbrt {
 namespace {
 

@@ -1,5 +1,8 @@
 #pragma once
+#include <cstdint>
 #include <optional>
+#include <span>
+#include <vector>
 
 #include "pbrt/core/error.h"
 #include "pbrt/math/bounds.h"

@@ -1,4 +1,7 @@
 #pragma once
+#include <array>
+#include <bit>
+#include <cstdint>
 #include <span>
 #include <vector>
 

@@ -1,6 +1,10 @@
 #pragma once
+#include <algorithm>
 #include <bit>
+#include <cmath>
+#include <cstdint>
 #include <span>
+#include <vector>
 
 #include "pbrt/core/error.h"
 #include "pbrt/math/vec.h"

@@ -1,5 +1,6 @@
 #pragma once
 #include <bit>
+#include <limits>
 
 #include "pbrt/core/ids.h"
 #include "pbrt/math/vec.h"

@@ -1,6 +1,8 @@
 #pragma once
 #include <array>
 #include <bit>
+#include <cstdint>
+#include <cstring>
 #include <type_traits>
 
 #include "pbrt/math/lanes.h"

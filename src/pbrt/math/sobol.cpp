@@ -1,5 +1,7 @@
 #include "pbrt/math/sobol.h"
 
+#include <vector>
+
 #include <boost/random/sobol.hpp>
 
 #include "pbrt/core/error.h"

@@ -1,4 +1,8 @@
 #pragma once
+#include <array>
+#include <bit>
+#include <cstdint>
+
 #include "pbrt/math/lanes.h"
 #include "pbrt/math/low_discrepancy.h"
 

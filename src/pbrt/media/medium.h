@@ -1,6 +1,9 @@
 #pragma once
+#include <cstddef>
+#include <functional>
 #include <new>
 #include <type_traits>
+#include <vector>
 
 #include "pbrt/bxdfs/henyey_greenstein.h"
 #include "pbrt/math/bounds.h"

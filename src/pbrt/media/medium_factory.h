@@ -1,4 +1,6 @@
 #pragma once
+#include <memory>
+
 #include "pbrt/core/factory_table.h"
 #include "pbrt/core/files.h"
 #include "pbrt/math/transform.h"

@@ -1,4 +1,6 @@
 #pragma once
+#include <vector>
+
 #include "pbrt/media/medium.h"
 #include "pbrt/textures/noise.h"
 

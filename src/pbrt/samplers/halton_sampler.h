@@ -1,4 +1,7 @@
 #pragma once
+#include <array>
+#include <cstring>
+
 #include "pbrt/math/low_discrepancy.h"
 #include "pbrt/samplers/sampler.h"
 

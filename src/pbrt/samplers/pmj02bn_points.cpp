@@ -1,4 +1,8 @@
 
+#include <cmath>
+#include <functional>
+#include <span>
+
 #include "pbrt/core/error.h"
 #include "pbrt/math/sobol.h"
 #include "pbrt/samplers/pmj02bn_sampler.h"

@@ -1,4 +1,7 @@
 #pragma once
+#include <array>
+#include <vector>
+
 #include "pbrt/samplers/sobol_samplers.h"
 
 namespace pbrt {

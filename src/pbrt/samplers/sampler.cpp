@@ -1,5 +1,7 @@
 #include "pbrt/samplers/sampler.h"
 
+#include <bit>
+
 #include "pbrt/math/rng.h"
 #include "pbrt/samplers/halton_sampler.h"
 #include "pbrt/samplers/pmj02bn_sampler.h"

@@ -1,4 +1,6 @@
 #pragma once
+#include <memory>
+
 #include "pbrt/core/factory_table.h"
 #include "pbrt/math/lanes.h"
 #include "pbrt/math/vec.h"

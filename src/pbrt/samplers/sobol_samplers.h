@@ -1,4 +1,7 @@
 #pragma once
+#include <array>
+#include <vector>
+
 #include "pbrt/math/sobol.h"
 #include "pbrt/samplers/sampler.h"
 

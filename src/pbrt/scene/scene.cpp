@@ -1,5 +1,7 @@
 #include "pbrt/scene/scene.h"
 
+#include <type_traits>
+
 #include "pbrt/core/counters.h"
 #include "pbrt/core/error.h"
 #include "pbrt/scene/shading.h"

@@ -1,4 +1,8 @@
 #pragma once
+#include <memory>
+#include <optional>
+#include <vector>
+
 #include "pbrt/accel/accel.h"
 #include "pbrt/cameras/camera.h"
 #include "pbrt/lights/light_table.h"

@@ -1,5 +1,8 @@
 #include "pbrt/shapes/mesh_sources.h"
 
+#include <algorithm>
+#include <array>
+#include <optional>
 #include <tuple>
 #include <unordered_map>
 

@@ -1,4 +1,6 @@
 #pragma once
+#include <string>
+
 #include "pbrt/core/params.h"
 #include "pbrt/math/animated_transform.h"
 #include "pbrt/shapes/shape.h"

@@ -4,6 +4,7 @@
 #include <opensubdiv/far/topologyRefinerFactory.h>
 
 #include <map>
+#include <memory>
 
 #include "pbrt/core/error.h"
 

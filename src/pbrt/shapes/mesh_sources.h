@@ -1,6 +1,7 @@
 #pragma once
 #include <functional>
 #include <span>
+#include <string>
 
 #include "pbrt/core/error.h"
 #include "pbrt/shapes/triangle_mesh.h"

@@ -1,10 +1,15 @@
 #include "pbrt/shapes/mesh_sources.h"
 
+#include <algorithm>
+#include <array>
+#include <bit>
 #include <charconv>
 #include <cstdlib>
 #include <cstring>
 #include <iterator>
 #include <sstream>
+#include <string_view>
+#include <utility>
 
 #include "pbrt/core/error.h"
 

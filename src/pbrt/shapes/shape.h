@@ -1,4 +1,6 @@
 #pragma once
+#include <optional>
+
 #include "pbrt/core/ids.h"
 #include "pbrt/math/bounds.h"
 #include "pbrt/math/transform.h"

@@ -1,4 +1,7 @@
 #pragma once
+#include <memory>
+#include <vector>
+
 #include "pbrt/core/factory_table.h"
 #include "pbrt/core/files.h"
 #include "pbrt/shapes/mesh_sources.h"

@@ -1,6 +1,8 @@
 #include "pbrt/spectra/color_space.h"
 
+#include <algorithm>
 #include <cstring>
+#include <limits>
 
 #include "pbrt/core/error.h"
 #include "pbrt/core/files.h"

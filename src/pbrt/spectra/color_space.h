@@ -1,4 +1,7 @@
 #pragma once
+#include <string>
+#include <vector>
+
 #include "pbrt/spectra/spectrum.h"
 
 namespace pbrt {

@@ -1,4 +1,8 @@
 #pragma once
+#include <array>
+#include <span>
+#include <string>
+
 #include "pbrt/spectra/spectrum.h"
 
 namespace pbrt {

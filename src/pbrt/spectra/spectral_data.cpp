@@ -2,6 +2,7 @@
 
 #include <charconv>
 #include <map>
+#include <string_view>
 
 #include "pbrt/core/error.h"
 #include "pbrt/spectra/spectrum.h"

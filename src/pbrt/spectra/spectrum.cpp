@@ -1,5 +1,7 @@
 #include "pbrt/spectra/spectrum.h"
 
+#include <algorithm>
+
 #include "pbrt/core/error.h"
 
 namespace pbrt {

@@ -1,4 +1,10 @@
 #pragma once
+#include <algorithm>
+#include <map>
+#include <memory>
+#include <optional>
+#include <string>
+
 #include "pbrt/core/error.h"
 #include "pbrt/core/parallel.h"
 #include "pbrt/images/mipmap.h"

@@ -1,5 +1,6 @@
 #include "pbrt/textures/noise.h"
 
+#include <algorithm>
 #include <array>
 #include <cstdint>
 

@@ -1,4 +1,7 @@
 #pragma once
+#include <memory>
+#include <optional>
+
 #include "pbrt/shapes/shape.h"
 #include "pbrt/spectra/spectrum.h"
 

@@ -1,5 +1,8 @@
 #include "pbrt/textures/texture_factory.h"
 
+#include <algorithm>
+#include <array>
+
 #include "pbrt/core/params.h"
 #include "pbrt/textures/texture_makers.h"
 

@@ -1,4 +1,7 @@
 #pragma once
+#include <memory>
+#include <string>
+
 #include "pbrt/core/files.h"
 #include "pbrt/images/image.h"
 #include "pbrt/math/transform.h"

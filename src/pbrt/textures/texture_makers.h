@@ -1,4 +1,6 @@
 #pragma once
+#include <functional>
+
 #include "pbrt/core/factory_table.h"
 #include "pbrt/textures/image_texture.h"
 #include "pbrt/textures/texture_factory.h"

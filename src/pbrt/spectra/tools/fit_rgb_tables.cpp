@@ -1,5 +1,8 @@
 // Fits and writes the table of one colour space: fit_rgb_tables <space> <file>. Layout in rgb_primaries.h.
+#include <cmath>
 #include <cstdio>
+#include <string>
+#include <vector>
 
 #include "pbrt/core/error.h"
 #include "pbrt/core/files.h"

@@ -1,5 +1,7 @@
 #include "pbrt/spectra/tools/sigmoid_fit.h"
 
+#include <cmath>
+
 #include "pbrt/spectra/spectrum.h"
 
 namespace pbrt {

@@ -1,3 +1,5 @@
+#include <cmath>
+
 #include "pbrt/spectra/tools/sigmoid_fit.h"
 
 namespace pbrt {

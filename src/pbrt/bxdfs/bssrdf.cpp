@@ -195,9 +195,8 @@ Float Bssrdf::Pdf(const Point3 &exit, const Normal3 &n) const {
 }
 
 SampledSpectrum Bssrdf::Profile(Float distance) const {
-    SampledSpectrum s;
-    for (int i = 0; i < SpectrumSamples; ++i) s[i] = table_->Profile(rows_[i], distance * sigmaT_[i]) * Sqr(sigmaT_[i]);
-    return s;
+    return SampledSpectrum::Of(
+        [&](int i) { return table_->Profile(rows_[i], distance * sigmaT_[i]) * Sqr(sigmaT_[i]); });
 }
 
 }  // namespace pbrt

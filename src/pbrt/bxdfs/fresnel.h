@@ -45,9 +45,7 @@ inline Float FresnelConductor(Float cosThetaI, Float eta, Float k) {
 }
 
 inline SampledSpectrum FresnelConductor(Float cosThetaI, const SampledSpectrum &eta, const SampledSpectrum &k) {
-    SampledSpectrum r;
-    for (int i = 0; i < SpectrumSamples; ++i) r[i] = FresnelConductor(cosThetaI, eta[i], k[i]);
-    return r;
+    return SampledSpectrum::Of([&](int i) { return FresnelConductor(cosThetaI, eta[i], k[i]); });
 }
 
 inline Vector3 Reflect(const Vector3 &w, const Vector3 &n) { return n * (2 * Dot(w, n)) - w; }

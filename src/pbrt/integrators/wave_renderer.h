@@ -195,22 +195,20 @@ class WaveRenderer {
         context_.team.Reduce(
             [&](StateWriter &out) {
                 context_.film.TakeSums(out);
-                if (context_.half) TakeAdaptive(out);
+                if (context_.half) {
+                    context_.half->TakeSums(out);
+                    for (uint64_t &cost : position_.plan.cost) out.Value(std::exchange(cost, 0));
+                }
                 if (learns) model_->ExtractRecords(out);
             },
             [&](StateReader &in) {
                 context_.film.AddSums(in);
-                if (context_.half) AddAdaptive(in);
+                if (context_.half) {
+                    context_.half->AddSums(in);
+                    for (uint64_t &cost : position_.plan.cost) cost += in.Value<uint64_t>();
+                }
                 if (learns) model_->MergeRecords(in);
             });
-    }
-    void TakeAdaptive(StateWriter &out) {
-        context_.half->TakeSums(out);
-        for (uint64_t &cost : position_.plan.cost) out.Value(std::exchange(cost, 0));
-    }
-    void AddAdaptive(StateReader &in) {
-        context_.half->AddSums(in);
-        for (uint64_t &cost : position_.plan.cost) cost += in.Value<uint64_t>();
     }
     const RenderContext context_;
     OnlineModel *const model_;

@@ -53,9 +53,6 @@ T PermutationElementOf(uint32_t i, uint32_t n, const T &seed) {
 inline uint32_t PermutationElement(uint32_t i, uint32_t n, uint64_t seed) {
     return uint32_t(PermutationElementOf(i, n, seed));
 }
-inline Lanes64 PermutationElement(uint32_t i, uint32_t n, const Lanes64 &seed) {
-    return PermutationElementOf(i, n, seed);
-}
 
 /// For each element of a quad, its positions in all 24 orders, two bits per order.
 constexpr std::array<uint64_t, 4> AllPlacesInQuads() {

@@ -73,7 +73,7 @@ class StratifiedSampler final : public Sampler {
         Lanes64 stratum[2];
         for (int half = 0; half < 2; ++half) {
             const uint64_t seed = pixelHash_ + uint64_t(dimension + half * Lanes64Count);
-            stratum[half] = PermutationElement(index_, strata, CountingLanes(seed));
+            stratum[half] = PermutationElementOf(index_, strata, CountingLanes(seed));
         }
         for (int i = 0; i < kPrepared - 1; ++i) {
             const auto s = int(stratum[i / Lanes64Count][i % Lanes64Count]);

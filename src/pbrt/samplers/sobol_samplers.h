@@ -126,7 +126,7 @@ class PaddedSobolSampler final : public SamplerBySettings<PaddedSobolSampler> {
         const WideLanes seed{AddDimensions(pixelHash_, dimension), AddDimensions(pixelHash_, dimension + Lanes64Count)};
         const auto count = uint32_t(SamplesPerPixel());
         FloatLanes x, y;
-        SetSobolPoints({PermutationElement(index_, count, seed.a), PermutationElement(index_, count, seed.b)},
+        SetSobolPoints({PermutationElementOf(index_, count, seed.a), PermutationElementOf(index_, count, seed.b)},
                        settings_.randomization, seed, SecondSeed(seed), &x, &y);
         numbers.SetPoints(x, y);
         return {dimension, kPrepared};

@@ -19,9 +19,7 @@ struct SigmoidPolynomial {
         return Float(0.5) + x / (2 * std::sqrt(1 + x * x));
     }
     SampledSpectrum Sample(const SampledWavelengths &lambda) const {
-        SampledSpectrum s;
-        for (int i = 0; i < SpectrumSamples; ++i) s[i] = (*this)(lambda[i]);
-        return s;
+        return SampledSpectrum::Of([&](int i) { return (*this)(lambda[i]); });
     }
     Float MaxValue() const;
 };

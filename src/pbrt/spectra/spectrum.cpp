@@ -61,9 +61,7 @@ bool SampledWavelengths::SecondaryTerminated() const {
 }
 
 SampledSpectrum Spectrum::Sample(const SampledWavelengths &lambda) const {
-    SampledSpectrum s;
-    for (int i = 0; i < SpectrumSamples; ++i) s[i] = (*this)(lambda[i]);
-    return s;
+    return SampledSpectrum::Of([&](int i) { return (*this)(lambda[i]); });
 }
 
 DenseSpectrum::DenseSpectrum(const Spectrum &s) : values_(kNmCount) {
@@ -107,9 +105,7 @@ SampledSpectrum DenseSpectrum::Sample(const SampledWavelengths &lambda) const {
     if (lambda.IsWholeRange()) [[unlikely]]
         return SampledSpectrum(rootMeanSquare_);
     const Float *values = values_.data();
-    SampledSpectrum s;
-    for (int i = 0; i < SpectrumSamples; ++i) s[i] = Nearest(values, lambda[i]);
-    return s;
+    return SampledSpectrum::Of([&](int i) { return Nearest(values, lambda[i]); });
 }
 
 PiecewiseLinearSpectrum::PiecewiseLinearSpectrum(std::vector<Float> lambdas, std::vector<Float> values)

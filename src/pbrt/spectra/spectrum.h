@@ -48,10 +48,14 @@ class SampledSpectrum {
     Float Average() const { return (v_[0] + v_[1] + v_[2] + v_[3]) / SpectrumSamples; }
     Float MaxComponent() const { return std::max(std::max(v_[0], v_[1]), std::max(v_[2], v_[3])); }
     Float MinComponent() const { return std::min(std::min(v_[0], v_[1]), std::min(v_[2], v_[3])); }
-    SampledSpectrum Map(auto f) const {
+    /// f(i) at wavelength i.
+    static SampledSpectrum Of(auto f) {
         SampledSpectrum r;
-        for (int i = 0; i < SpectrumSamples; ++i) r[i] = f((*this)[i]);
+        for (int i = 0; i < SpectrumSamples; ++i) r[i] = f(i);
         return r;
+    }
+    SampledSpectrum Map(auto f) const {
+        return Of([&](int i) { return f((*this)[i]); });
     }
 
   private:
@@ -70,9 +74,7 @@ inline double RootMeanSquare(const SampledSpectrum &s) {
 }
 /// a/b where b != 0, else 0.
 inline SampledSpectrum SafeDivide(const SampledSpectrum &a, const SampledSpectrum &b) {
-    SampledSpectrum r;
-    for (int i = 0; i < SpectrumSamples; ++i) r[i] = b[i] != 0 ? a[i] / b[i] : 0;
-    return r;
+    return SampledSpectrum::Of([&](int i) { return b[i] != 0 ? a[i] / b[i] : 0; });
 }
 inline SampledSpectrum Clamp(const SampledSpectrum &s, Float low, Float high) {
     return s.Map([=](Float v) { return std::clamp(v, low, high); });
@@ -96,9 +98,7 @@ class SampledWavelengths {
     Float operator[](int i) const { return lambda_[i]; }
     Float PdfAt(int i) const { return pdf_[i]; }
     SampledSpectrum Pdf() const {
-        SampledSpectrum s;
-        for (int i = 0; i < SpectrumSamples; ++i) s[i] = PdfAt(i);
-        return s;
+        return SampledSpectrum::Of([&](int i) { return PdfAt(i); });
     }
     /// Keeps only the first wavelength (dispersion); divides its density by the number of wavelengths.
     void TerminateSecondary();

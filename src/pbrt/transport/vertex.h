@@ -45,14 +45,10 @@ inline LightQuery LightQueryAt(const PathVertex &vertex, const SampledWavelength
 /// Query at a medium point with outgoing direction wo. Refers to the phase function and `lambda`.
 inline LightQuery LightQueryInMedium(const Point3 &p, const Vector3 &wo, MediumId medium, const HenyeyGreenstein &phase,
                                      Float time, const SampledWavelengths &lambda, int depth) {
-    return {.p = p,
-            .wo = wo,
-            .transmits = true,
-            .medium = medium,
-            .time = time,
-            .depth = depth,
-            .lambda = &lambda,
-            .phase = &phase};
+    LightQuery query{.p = p, .wo = wo, .transmits = true, .medium = medium, .time = time, .depth = depth};
+    query.lambda = &lambda;
+    query.phase = &phase;
+    return query;
 }
 
 }  // namespace pbrt

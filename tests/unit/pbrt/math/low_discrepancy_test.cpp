@@ -71,7 +71,7 @@ TEST(PermutationElement, LanesAgreeWithSingleNumbers) {
             Lanes64 seed;
             for (int lane = 0; lane < Lanes64Count; ++lane) seed[lane] = uint64_t(rng.Next()) << 32 | rng.Next();
             const uint32_t element = rng.UniformInt(n);
-            const Lanes64 places = PermutationElement(element, n, seed);
+            const Lanes64 places = PermutationElementOf(element, n, seed);
             for (int lane = 0; lane < Lanes64Count; ++lane)
                 ASSERT_EQ(places[lane], PermutationElement(element, n, uint64_t(seed[lane]))) << n;
         }

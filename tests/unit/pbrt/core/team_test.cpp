@@ -59,7 +59,9 @@ TEST(Team, EveryNumberIsDistributedOnce) {
                             takers.insert(team.Rank());
                         }
                         // No thread takes a second number before every process has one.
-                        if (isFirst && count == 1000) EXPECT_TRUE(WaitUntil(haveAllTaken)) << "a process got nothing";
+                        if (isFirst && count == 1000) {
+                            EXPECT_TRUE(WaitUntil(haveAllTaken)) << "a process got nothing";
+                        }
                     }
                 };
                 std::thread other(work);

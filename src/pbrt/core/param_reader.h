@@ -90,13 +90,6 @@ inline void RequireCount(const ParamSet &set, const Param &p, size_t found, size
     throw UserError(p.loc, "{}: \"{} {}\" takes {}, found {}.", set.What(), Name(p.type), p.name,
                     CountText(wanted, "value"), found);
 }
-/// Throws UserError unless the numbers form whole items.
-inline void RequireItems(const ParamSet &set, const Param &p) {
-    const size_t item = ItemSize(p.type);
-    if (p.floats.size() % item != 0)
-        throw UserError(p.loc, "{}: \"{} {}\" takes groups of {} values, found {}.", set.What(), Name(p.type), p.name,
-                        item, p.floats.size());
-}
 template <class T>
 void RequireRange(const ParamSet &set, const Param &p, T value, const Range<T> &range) {
     if (!range.Contains(value))
@@ -193,7 +186,9 @@ void ReadParam(ParamReader &reader, const std::string &name, std::vector<T> &val
     const Param *p = reader.Take(name, items.type);
     if (items.isRequired && (!p || p->floats.empty())) detail::ThrowMissing(reader.Set(), name, items.type);
     if (!p) return;
-    detail::RequireItems(reader.Set(), *p);
+    if (p->floats.size() % ItemSize(p->type) != 0)
+        throw UserError(p->loc, "{}: \"{} {}\" takes groups of {} values, found {}.", reader.Set().What(),
+                        Name(p->type), p->name, ItemSize(p->type), p->floats.size());
     if (items.range.low > AnyFloat().low)
         for (Float v : p->floats) detail::RequireRange(reader.Set(), *p, v, items.range);
     values.resize(p->floats.size() * sizeof(Float) / sizeof(T));

@@ -80,21 +80,6 @@ void DescriptionBuilder::AddShape(const std::string &type, Params params, const 
     else if (unit.object == kNoObject) scene_.shapes.push_back(std::move(shape));
 }
 
-void DescriptionBuilder::FillDefaults(const FileLoc &where) {
-    auto fill = [&](Entity &entity, const char *type, const char *directive) {
-        if (entity.loc) return;  // given
-        entity.type = type;
-        entity.loc = where;
-        entity.params = ParamSet(fmt::format("{} \"{}\"", directive, type), where);
-    };
-    fill(scene_.camera, "perspective", "Camera");
-    fill(scene_.film, "rgb", "Film");
-    fill(scene_.sampler, "zsobol", "Sampler");
-    fill(scene_.filter, "gaussian", "PixelFilter");
-    fill(scene_.integrator, "volpath", "Integrator");
-    fill(scene_.accelerator, "bvh", "Accelerator");
-}
-
 void DescriptionBuilder::CheckMaterials() {
     struct Missing {
         FileLoc firstUse;
@@ -129,22 +114,6 @@ void DescriptionBuilder::CheckMedia() {
         check(shape.insideMedium, shape.loc);
         check(shape.outsideMedium, shape.loc);
     });
-}
-
-/// Reports instances of undefined objects; removes empty objects and their instances.
-void DescriptionBuilder::ResolveInstances() {
-    std::vector<std::string> names;
-    for (const ObjectEntity &object : scene_.objects) names.push_back(object.name);
-    std::set<std::string> reported;
-    std::erase_if(scene_.instances, [&](const InstanceEntity &instance) {
-        auto found = objectIndex_.find(instance.name);
-        if (found != objectIndex_.end()) return scene_.objects[found->second].shapes.empty();
-        if (!reported.insert(instance.name).second) return true;
-        sink_.Error(instance.loc, "Object \"{}\" is not defined; {}.", Abbreviate(instance.name),
-                    ListNames(instance.name, names, "no object is"));
-        return true;
-    });
-    std::erase_if(scene_.objects, [](const ObjectEntity &object) { return object.shapes.empty(); });
 }
 
 }  // namespace pbrt

@@ -321,7 +321,20 @@ class DescriptionBuilder {
             sink_.Error(b.loc, b.kind == BlockKind::Attributes ? "AttributeBegin without AttributeEnd."
                                                                : "ObjectBegin without ObjectEnd.");
     }
-    void FillDefaults(const FileLoc &where);
+    void FillDefaults(const FileLoc &where) {
+        auto fill = [&](Entity &entity, const char *type, const char *directive) {
+            if (entity.loc) return;  // given
+            entity.type = type;
+            entity.loc = where;
+            entity.params = ParamSet(fmt::format("{} \"{}\"", directive, type), where);
+        };
+        fill(scene_.camera, "perspective", "Camera");
+        fill(scene_.film, "rgb", "Film");
+        fill(scene_.sampler, "zsobol", "Sampler");
+        fill(scene_.filter, "gaussian", "PixelFilter");
+        fill(scene_.integrator, "volpath", "Integrator");
+        fill(scene_.accelerator, "bvh", "Accelerator");
+    }
     /// ListChoices, or `none` if there are no names or the message will be dropped: lists are slow, and there may be
     /// many.
     std::string ListNames(const std::string &given, const std::vector<std::string> &names, const char *none) const {
@@ -329,7 +342,21 @@ class DescriptionBuilder {
     }
     void CheckMaterials();
     void CheckMedia();
-    void ResolveInstances();
+    /// Reports instances of undefined objects; removes empty objects and their instances.
+    void ResolveInstances() {
+        std::vector<std::string> names;
+        for (const ObjectEntity &object : scene_.objects) names.push_back(object.name);
+        std::set<std::string> reported;
+        std::erase_if(scene_.instances, [&](const InstanceEntity &instance) {
+            auto found = objectIndex_.find(instance.name);
+            if (found != objectIndex_.end()) return scene_.objects[found->second].shapes.empty();
+            if (!reported.insert(instance.name).second) return true;
+            sink_.Error(instance.loc, "Object \"{}\" is not defined; {}.", Abbreviate(instance.name),
+                        ListNames(instance.name, names, "no object is"));
+            return true;
+        });
+        std::erase_if(scene_.objects, [](const ObjectEntity &object) { return object.shapes.empty(); });
+    }
 
     DiagnosticSink &sink_;
     SceneDescription scene_;

@@ -113,7 +113,7 @@ class Disk final : public Quadric {
     }
     DirectionCone NormalBounds(uint32_t) const override { return {RenderNormal({0, 0, 1}), 1}; }
     bool IsInPlane(uint32_t, const Point3 &p, const Vector3 &pError) const override {
-        return IsAtHeight(double(height_), p, pError);
+        return IsAtHeight(double(zMin_), p, pError);
     }
 
   protected:

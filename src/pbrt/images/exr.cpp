@@ -17,6 +17,7 @@
 #include <algorithm>
 #include <climits>
 #include <cmath>
+#include <mutex>
 #include <set>
 
 #include "pbrt/core/error.h"
@@ -75,26 +76,21 @@ void ReadAttributes(const Imf::Header &header, ImageMetadata &metadata) {
         take(dynamic_cast<const Imf::StringAttribute *>(&a));
         if (auto *m = dynamic_cast<const Imf::M44fAttribute *>(&a)) {
             glm::mat4 matrix;
-            for (int row = 0; row < 4; ++row)
-                for (int column = 0; column < 4; ++column) matrix[column][row] = m->value()[row][column];
+            for (int i = 0; i < 16; ++i) matrix[i / 4][i % 4] = m->value()[i % 4][i / 4];
             metadata.attributes[it.name()] = matrix;
         }
     }
 }
 
-struct AttributeWriter {
-    Imf::Header &header;
-    const std::string &name;
-    void operator()(int v) const { header.insert(name, Imf::IntAttribute(v)); }
-    void operator()(float v) const { header.insert(name, Imf::FloatAttribute(v)); }
-    void operator()(const std::string &v) const { header.insert(name, Imf::StringAttribute(v)); }
-    void operator()(const glm::mat4 &v) const {
-        Imath::M44f m;
-        for (int row = 0; row < 4; ++row)
-            for (int column = 0; column < 4; ++column) m[row][column] = v[column][row];
-        header.insert(name, Imf::M44fAttribute(m));
-    }
-};
+template <class T>
+const T &ToImath(const T &value) {
+    return value;
+}
+Imath::M44f ToImath(const glm::mat4 &v) {
+    Imath::M44f m;
+    for (int i = 0; i < 16; ++i) m[i % 4][i / 4] = v[i / 4][i % 4];
+    return m;
+}
 
 Imf::FrameBuffer Bind(const std::vector<std::string> &names, Imf::PixelType type, char *pixels,
                       const Imath::Box2i &window) {
@@ -125,12 +121,6 @@ double MaxExpansion(Imf::Compression compression) {
     }
 }
 
-size_t CountAtHalfLimit(const Image &image) {
-    size_t count = 0;
-    ForEachValue(image, [&](Point2i p, int c) { count += std::abs(image.Get(p, c)) >= kMaxHalf; });
-    return count;
-}
-
 void WarnOfParts(const std::string &path) {
     constexpr int kMaxNames = 8;
     const Imf::MultiPartInputFile file(path.c_str());
@@ -149,11 +139,8 @@ void WarnOfParts(const std::string &path) {
 
 ImageFile ReadExr(const std::string &path) {
     // Must be set before OpenEXR reads a header, because it allocates the header's sizes.
-    static const bool limited = [] {
-        Imf::Header::setMaxImageSize(1 << 20, 1 << 20);
-        return true;
-    }();
-    static_cast<void>(limited);
+    static std::once_flag limited;
+    std::call_once(limited, Imf::Header::setMaxImageSize, 1 << 20, 1 << 20);
     Imf::InputFile file(path.c_str());
     if (Imf::isMultiPart(file.version())) WarnOfParts(path);
     const Imf::Header &header = file.header();
@@ -208,12 +195,15 @@ std::string EncodeExr(const std::string &path, const Image &image, const ImageMe
     }
     for (const auto &[name, value] : metadata.attributes) {
         PBRT_CHECK_MSG(!StructuralAttributes.contains(name), "attribute {}", name);
-        std::visit(AttributeWriter{header, name}, value);
+        const auto write = [&, &name = name](const auto &v) { header.insert(name, Imf::TypedAttribute(ToImath(v))); };
+        std::visit(write, value);
     }
 
     const bool asFloat = image.Format() == PixelFormat::Float;
     const Image pixels = asFloat ? image : image.ConvertTo(PixelFormat::Half);
-    if (size_t clamped = asFloat ? 0 : CountAtHalfLimit(pixels))
+    size_t clamped = 0;
+    if (!asFloat) ForEachValue(pixels, [&](Point2i p, int c) { clamped += std::abs(pixels.Get(p, c)) >= kMaxHalf; });
+    if (clamped > 0)
         LogWarning("{}: {} values are at or beyond {}, the largest in half precision.", path, clamped, kMaxHalf);
     Imf::PixelType type = asFloat ? Imf::FLOAT : Imf::HALF;
     for (const std::string &name : image.Channels()) header.channels().insert(name, Imf::Channel(type));

@@ -9,8 +9,6 @@
 namespace pbrt {
 namespace {
 
-int NextPowerOfTwo(int n) { return int(std::bit_ceil(unsigned(n))); }
-
 /// Source pixels per target pixel and axis; the loops below are unrolled for four.
 constexpr int Taps = 4;
 
@@ -117,11 +115,12 @@ Image Store(const Image &level, const Image &like) {
 
 std::vector<Image> BuildPyramid(Image image, WrapMode wrap) {
     PBRT_CHECK(image);
-    const Point2i target(NextPowerOfTwo(image.Resolution().x), NextPowerOfTwo(image.Resolution().y));
+    const Point2i size = image.Resolution();
+    const Point2i target(std::bit_ceil(unsigned(size.x)), std::bit_ceil(unsigned(size.y)));
     std::vector<Image> levels;
     // Unrounded source of the next level.
     Image exact;
-    if (target == image.Resolution()) {
+    if (target == size) {
         exact = image.ConvertTo(PixelFormat::Float);
         levels.push_back(std::move(image));
     } else {

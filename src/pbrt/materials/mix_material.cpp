@@ -74,6 +74,7 @@ MaterialPtr MakeMix(const MixParams &p, const ParamSet &set, MaterialContext &co
         if (materials[i]->IsInterface())
             throw set.Error("materials", "\"{}\" is an interface, which cannot be mixed.", names[i]);
     }
+    context.usesFootprint = false;
     const FloatInput amount = Inputs(context)(p.amount);
     const bool needsFootprint =
         context.usesFootprint || materials[0]->NeedsFootprint() || materials[1]->NeedsFootprint();
@@ -87,11 +88,6 @@ MaterialPtr MakeMix(const MixParams &p, const ParamSet &set, MaterialContext &co
 
 }  // namespace
 
-void AddMix(MaterialTable &table) {
-    table.Add<MixParams>("mix", "", [](const auto &p, const ParamSet &set, MaterialContext &context) {
-        context.usesFootprint = false;
-        return MakeMix(p, set, context);
-    });
-}
+void AddMix(MaterialTable &table) { table.Add<MixParams>("mix", "", MakeMix); }
 
 }  // namespace pbrt

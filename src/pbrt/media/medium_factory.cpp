@@ -249,14 +249,13 @@ std::unique_ptr<Medium> MakeRgbGrid(const RgbGridParams &p, const ParamSet &set,
         }
         return all;
     };
-    RgbGridMedium::Grids grids;
-    grids.count = p.count.Count();
-    grids.absorption = spectra("sigma_a", p.absorption, p.scale);
-    grids.scattering = spectra("sigma_s", p.scattering, p.scale);
-    grids.emission = spectra("Le", p.emission, p.emissionScale);
-    grids.illuminant = &SpaceOf(set, "Le", context).Illuminant();
-    grids.scale = p.scale;
-    grids.emissionScale = p.emissionScale;
+    RgbGridMedium::Grids grids{.count = p.count.Count(),
+                               .absorption = spectra("sigma_a", p.absorption, p.scale),
+                               .scattering = spectra("sigma_s", p.scattering, p.scale),
+                               .emission = spectra("Le", p.emission, p.emissionScale),
+                               .illuminant = &SpaceOf(set, "Le", context).Illuminant(),
+                               .scale = p.scale,
+                               .emissionScale = p.emissionScale};
     return std::make_unique<RgbGridMedium>(p.g, RequirePlace(set, context), p.bounds.Make(set), std::move(grids));
 }
 
@@ -272,11 +271,6 @@ struct CloudParams {
         coefficients.Describe(v);
     }
 };
-
-std::unique_ptr<Medium> MakeCloud(const CloudParams &p, const ParamSet &set, const MediumContext &context) {
-    return std::make_unique<CloudMedium>(p.coefficients.Make(set, context, 1), p.coefficients.g,
-                                         RequirePlace(set, context), p.bounds.Make(set), p.shape);
-}
 
 struct NanoVdbParams {
     std::string filename, gridName = "density", temperatureName = "temperature";
@@ -309,7 +303,11 @@ const MediumFactories &Media() {
         t.Add<HomogeneousParams>("homogeneous", "a medium that is the same everywhere", MakeHomogeneous);
         t.Add<UniformGridParams>("uniformgrid", "a box of voxels with densities", MakeUniformGrid);
         t.Add<RgbGridParams>("rgbgrid", "a box of voxels with colours", MakeRgbGrid);
-        t.Add<CloudParams>("cloud", "a box with a cloud made of noise", MakeCloud);
+        t.Add<CloudParams>("cloud", "a box with a cloud made of noise",
+                           [](const auto &p, const ParamSet &set, auto &c) {
+                               return std::make_unique<CloudMedium>(p.coefficients.Make(set, c, 1), p.coefficients.g,
+                                                                    RequirePlace(set, c), p.bounds.Make(set), p.shape);
+                           });
         t.Add<NanoVdbParams>("nanovdb", "voxels from a NanoVDB file", MakeNanoVdb);
     });
     return table;

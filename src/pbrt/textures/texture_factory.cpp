@@ -31,10 +31,6 @@ const char *FamilyName(bool isSpectrum) { return isSpectrum ? "spectrum" : "floa
 struct LookupCost {
     int depth = 1;
     double evaluations = 1;
-    void AddOperand(const LookupCost &operand) {
-        depth = std::max(depth, operand.depth + 1);
-        evaluations += operand.evaluations;
-    }
 };
 constexpr double kMaxEvaluations = 1 << 16;
 
@@ -97,14 +93,6 @@ struct TextureLibrary::Impl {
     std::vector<std::unique_ptr<Definition>> definitions;  ///< in file order
     std::map<std::string, size_t> indexOf[2];              ///< by family: float, spectrum
 
-    /// Names of a family usable at `limit`.
-    std::vector<std::string> Names(bool isSpectrum, size_t limit) const {
-        std::vector<std::string> names;
-        for (const auto &[name, index] : indexOf[isSpectrum])
-            if (index < limit) names.push_back(name);
-        return names;
-    }
-
     /// Definition that a parameter refers to: one before `limit`, or any image map. Throws UserError if there is none.
     Definition &Resolve(const ParamSet &params, const Param &reference, bool isSpectrum, size_t limit) {
         const std::string &name = reference.strings[0];
@@ -120,7 +108,9 @@ struct TextureLibrary::Impl {
         else if (indexOf[!isSpectrum].contains(name))
             problem += fmt::format(" (\"{}\" is a {} texture)", name, FamilyName(!isSpectrum));
         // Skipped if the error is only counted, because the list takes time.
-        std::vector<std::string> names = sink.IsFull() ? std::vector<std::string>() : Names(isSpectrum, limit);
+        std::vector<std::string> names;
+        for (const auto &[usable, index] : indexOf[isSpectrum])
+            if (index < limit && !sink.IsFull()) names.push_back(usable);
         problem += names.empty() ? fmt::format("; no {} texture is defined.", FamilyName(isSpectrum))
                                  : "; " + ListChoices(name, names) + ".";
         throw UserError(problem, reference.loc);
@@ -149,7 +139,8 @@ struct TextureLibrary::Impl {
     template <class Ptr>
     static Ptr Use(const Made<Ptr> &made, LookupCost *user, const Param &reference) {
         if (!user) return made.texture;
-        user->AddOperand(made.cost);
+        user->depth = std::max(user->depth, made.cost.depth + 1);
+        user->evaluations += made.cost.evaluations;
         if (user->depth > kMaxNesting)
             throw UserError(reference.loc, "\"texture {}\": textures are nested more than {} deep here.",
                             reference.name, kMaxNesting);

@@ -25,7 +25,6 @@ struct Halves {
 
     int CountAt(Point2i p) const { return counts[cells.IndexOf(low + p)]; }
     int CountInHalf(Point2i p) const { return plan.CountInHalf(low + p, CountAt(p)); }
-    bool HasShortBlocks(Point2i p) const { return plan.HasShortBlocks(low + p); }
     /// The smaller mean of both halves: outliers are in one of them.
     double Smaller(Point2i p, int c) const {
         const int n = CountAt(p), n1 = CountInHalf(p);
@@ -182,11 +181,6 @@ class CellWork {
     std::vector<double> pixels_, cost_;  ///< cost of one sample, in rays
 };
 
-Halves HalvesOf(const Film &film, const Film &half, const SamplePlan &plan, int average) {
-    const PixelCells cells(film.PixelBounds());
-    return {film.Colors(), half.Colors(), plan, CountsOf(cells, plan, average), cells, film.PixelBounds().low};
-}
-
 /// NoiseEstimate::stratification: long blocks are two doublings of short ones.
 std::vector<double> MeasureStratification(const Halves &halves) {
     const auto deviations = [&](bool ofShortBlocks) {
@@ -204,8 +198,9 @@ std::vector<double> MeasureStratification(const Halves &halves) {
 }  // namespace
 
 std::optional<NoiseEstimate> EstimateNoise(const Film &film, const Film &half, const SamplePlan &plan, int average) {
-    const Halves halves = HalvesOf(film, half, plan, average);
-    const PixelCells &cells = halves.cells;
+    const PixelCells cells(film.PixelBounds());
+    const Halves halves{film.Colors(), half.Colors(),         plan, CountsOf(cells, plan, average),
+                        cells,         film.PixelBounds().low};
     if (halves.counts.empty() || std::ranges::min(halves.counts) <= plan.halfBlock) return {};
     const std::vector<double> errors = RelativeErrors(halves);
     const int width = halves.all.Resolution().x;
@@ -214,7 +209,7 @@ std::optional<NoiseEstimate> EstimateNoise(const Film &film, const Film &half, c
         double sum = 0;
         cells.ForPixels(cell, [&](Point2i pixel) {
             const Point2i p = pixel - halves.low;
-            if (!halves.HasShortBlocks(p))
+            if (!plan.HasShortBlocks(pixel))
                 sum += std::min(limit, halves.counts[cell] * errors[size_t(p.y) * width + p.x]);
         });
         return sum;

@@ -17,8 +17,6 @@ constexpr Float kContrast = 1.5f;
 /// evaluated points must not be sampled with the probability of its surroundings.
 constexpr Float kBesidePixel = 1 / Float(32), kBesidePart = 1 / Float(8);
 
-bool AreEqual(const Frame &a, const Frame &b) { return a.x == b.x && a.y == b.y && a.z == b.z; }
-
 /// Mean radiance times solid angle per map area.
 struct CellRadiance {
     Float mean = 0, max = 0;
@@ -210,8 +208,9 @@ EnvironmentPortals::EnvironmentPortals(const EnvironmentLight &light, std::span<
     PBRT_CHECK(portals.size() <= kMax);
     std::vector<Frame> frames;
     for (const Portal &portal : portals_) {
-        const auto known =
-            std::find_if(frames.begin(), frames.end(), [&](const Frame &f) { return AreEqual(f, portal.frame); });
+        const auto &[x, y, z] = portal.frame;
+        const auto known = std::find_if(frames.begin(), frames.end(),
+                                        [&](const Frame &f) { return f.x == x && f.y == y && f.z == z; });
         mapOf_.push_back(uint32_t(known - frames.begin()));
         if (known != frames.end()) continue;
         frames.push_back(portal.frame);

@@ -20,22 +20,18 @@ void RequirePosition(const ParamSet &set, const LightContext &context, const Poi
     RequireReach(set.What(), context.renderFromLight, Bounds3(p), set.Loc());
 }
 
-/// Returns `scale`; throws if emission times `scale` exceeds single precision.
-Float RequireFinite(const ParamSet &set, Float scale, const Spectrum &emission, const char *name) {
-    if (!std::isfinite(scale) || !std::isfinite(scale * emission.MaxValue()))
+/// `scale` such that an emission of scale 1 is one photometric unit, times `factor`. Throws if the emission times the
+/// result exceeds single precision.
+Float PhotometricScale(const ParamSet &set, Float scale, const Spectrum &emission, const char *name, Float factor = 1) {
+    const Float photometric = SpectrumToPhotometric(emission);
+    // Black lights are legal; other emission without luminance cannot be photometrically normalized.
+    if (!(photometric > 0) && emission.MaxValue() > 0) throw NoLuminanceError(set, name, emission);
+    const Float result = (photometric > 0 ? scale / photometric : 0) * factor;
+    if (!std::isfinite(result) || !std::isfinite(result * emission.MaxValue()))
         throw set.Error(set.Has("scale") ? "scale" : name,
                         "\"{}\" times all that scales it is larger than the largest number, {:.4g}.", name,
                         std::numeric_limits<Float>::max());
-    return scale;
-}
-
-/// `scale` such that an emission of scale 1 is one photometric unit.
-Float PhotometricScale(const ParamSet &set, Float scale, const Spectrum &emission, const char *name) {
-    const Float photometric = SpectrumToPhotometric(emission);
-    if (photometric > 0) return scale / photometric;
-    // Black lights are legal; other emission without luminance cannot be photometrically normalized.
-    if (!(emission.MaxValue() > 0)) return 0;
-    throw NoLuminanceError(set, name, emission);
+    return result;
 }
 
 void RequireSquare(const ParamSet &set, const LightImage &light) {
@@ -91,9 +87,8 @@ struct PointParams : IntensityParams {
 
 std::unique_ptr<Light> MakePoint(const PointParams &p, const ParamSet &set, const LightContext &context) {
     SpectrumPtr intensity = OrIlluminant(p.intensity, context);
-    Float scale = PhotometricScale(set, p.scale, *intensity, "I");
-    if (p.power > 0) scale *= p.power / (4 * Pi);
-    RequireFinite(set, scale, *intensity, "I");
+    const Float factor = p.power > 0 ? p.power / (4 * Pi) : 1;
+    const Float scale = PhotometricScale(set, p.scale, *intensity, "I", factor);
     RequirePosition(set, context, p.from);
     return std::make_unique<PointLight>(context.renderFromLight.Point(p.from), InternSpectrum(*intensity), scale);
 }
@@ -111,15 +106,14 @@ struct SpotParams : IntensityParams {
 
 std::unique_ptr<Light> MakeSpot(const SpotParams &p, const ParamSet &set, const LightContext &context) {
     SpectrumPtr intensity = OrIlluminant(p.intensity, context);
-    Float scale = PhotometricScale(set, p.scale, *intensity, "I");
     if (!(p.delta >= 0 && p.delta <= 2 * p.coneAngle))
         throw set.Error("conedeltaangle", "\"conedeltaangle\" is {}; it must be from 0 to twice the cone angle ({}).",
                         p.delta, 2 * p.coneAngle);
     RequirePosition(set, context, p.direction.from);
     // A falloff wider than the cone starts on the other side of the axis; only its cosine matters.
     Float falloffStart = std::abs(p.coneAngle - p.delta);
-    if (p.power > 0) scale *= p.power / SpotLight::PowerPerIntensity(p.coneAngle, falloffStart);
-    RequireFinite(set, scale, *intensity, "I");
+    const Float factor = p.power > 0 ? p.power / SpotLight::PowerPerIntensity(p.coneAngle, falloffStart) : 1;
+    const Float scale = PhotometricScale(set, p.scale, *intensity, "I", factor);
     return std::make_unique<SpotLight>(context.renderFromLight, p.direction.from, p.direction.UnitVector(set),
                                        InternSpectrum(*intensity), scale, p.coneAngle, falloffStart);
 }
@@ -138,9 +132,7 @@ struct DistantParams {
 
 std::unique_ptr<Light> MakeDistant(const DistantParams &p, const ParamSet &set, const LightContext &context) {
     SpectrumPtr radiance = OrIlluminant(p.radiance, context);
-    Float scale = PhotometricScale(set, p.scale, *radiance, "L");
-    if (p.illuminance > 0) scale *= p.illuminance;
-    RequireFinite(set, scale, *radiance, "L");
+    const Float scale = PhotometricScale(set, p.scale, *radiance, "L", p.illuminance > 0 ? p.illuminance : 1);
     Vector3 wi = Normalize(context.renderFromLight.Vector(-p.direction.UnitVector(set)));
     return std::make_unique<DistantLight>(wi, InternSpectrum(*radiance), scale);
 }
@@ -161,7 +153,6 @@ struct GoniometricParams : IntensityParams {
 
 std::unique_ptr<Light> MakeGoniometric(const GoniometricParams &p, const ParamSet &set, const LightContext &context) {
     SpectrumPtr intensity = OrIlluminant(p.intensity, context);
-    Float scale = PhotometricScale(set, p.scale, *intensity, "I");
     RequirePosition(set, context, {0, 0, 0});
     LightImage light;
     if (p.filename.empty()) {
@@ -172,8 +163,9 @@ std::unique_ptr<Light> MakeGoniometric(const GoniometricParams &p, const ParamSe
         light = set.At("filename", [&] { return ReadIntensityImage(context.files.Resolve(p.filename)); });
         RequireSquare(set, light);
     }
-    if (p.power > 0) scale *= PowerFactor(set, p.power, 4 * Pi * GoniometricLight::Mean(light.image), light.name);
-    RequireFinite(set, scale, *intensity, "I");
+    Float factor = 1;
+    if (p.power > 0) factor = PowerFactor(set, p.power, 4 * Pi * GoniometricLight::Mean(light.image), light.name);
+    const Float scale = PhotometricScale(set, p.scale, *intensity, "I", factor);
     return std::make_unique<GoniometricLight>(context.renderFromLight, InternSpectrum(*intensity), scale,
                                               std::move(light.image));
 }
@@ -192,19 +184,22 @@ struct ProjectionParams {
 std::unique_ptr<Light> MakeProjection(const ProjectionParams &p, const ParamSet &set, const LightContext &context) {
     RequirePosition(set, context, {0, 0, 0});
     LightImage light = set.At("filename", [&] { return ReadLightImage(context.files.Resolve(p.filename)); });
-    const Spectrum &illuminant = light.colorSpace->Illuminant();
-    Float scale = PhotometricScale(set, p.scale, illuminant, "filename");
+    Float factor = 1;
     if (p.power > 0)
-        scale *= PowerFactor(set, p.power, ProjectionLight::LuminancePower(light.image, *light.colorSpace, p.fov),
+        factor = PowerFactor(set, p.power, ProjectionLight::LuminancePower(light.image, *light.colorSpace, p.fov),
                              light.name);
-    RequireFinite(set, scale, illuminant, "filename");
+    const Float scale = PhotometricScale(set, p.scale, light.colorSpace->Illuminant(), "filename", factor);
     return std::make_unique<ProjectionLight>(context.renderFromLight, std::move(light.image), *light.colorSpace, scale,
                                              p.fov);
 }
 
 /// Stock pbrt-v4's illuminance of an environment light on a surface that faces its +z. It uses 2 pi sr for the whole
-/// image, half of the sphere's 4 pi, so images are twice as bright as specified; kept for compatibility.
-Float MeasureIlluminance(const LightImage &light, const Rgb &weights) {
+/// image, half of the sphere's 4 pi, so images are twice as bright as specified; kept for compatibility. Behind a
+/// portal, stock takes the channels in file order, which is B, G, R in EXR; its image of conformance scene
+/// lights/portal_illuminance confirms these weights to five digits.
+Float MeasureIlluminance(const LightImage &light, bool hasPortal) {
+    Rgb weights = light.colorSpace->Luminance();
+    if (hasPortal && (light.name.ends_with(".exr") || light.name.ends_with(".EXR"))) std::swap(weights.x, weights.z);
     Point2i n = light.image.Resolution();
     double sum = 0;
     ForEachPixel(light.image, [&](Point2i p) {
@@ -212,14 +207,6 @@ Float MeasureIlluminance(const LightImage &light, const Rgb &weights) {
         if (cosTheta > 0) sum += double(glm::dot(LightPixel(light.image, p), weights) * cosTheta);
     });
     return Float(sum * 2 * std::numbers::pi / (double(n.x) * double(n.y)));
-}
-
-/// Stock pbrt-v4's RGB weights for illuminance. Behind a portal, stock takes the channels in file order, which is B, G,
-/// R in EXR; its image of conformance scene lights/portal_illuminance confirms these weights to five digits.
-Rgb IlluminanceWeights(const LightImage &light, bool hasPortal) {
-    const Rgb luminance = light.colorSpace->Luminance();
-    const bool exr = light.name.ends_with(".exr") || light.name.ends_with(".EXR");
-    return hasPortal && exr ? Rgb(luminance.z, luminance.y, luminance.x) : luminance;
 }
 
 struct InfiniteParams {
@@ -287,25 +274,23 @@ std::unique_ptr<Light> MakeInfinite(const InfiniteParams &p, const ParamSet &set
     if (portal && !p.radiance && !hasImage) throw set.Error("portal", "a portal needs \"L\" or \"filename\".");
     if (!hasImage && !portal) {
         SpectrumPtr radiance = OrIlluminant(p.radiance, context);
-        Float scale = PhotometricScale(set, p.scale, *radiance, "L");
-        if (p.illuminance > 0) scale *= p.illuminance / Pi;
-        RequireFinite(set, scale, *radiance, "L");
+        const Float factor = p.illuminance > 0 ? p.illuminance / Pi : 1;
+        const Float scale = PhotometricScale(set, p.scale, *radiance, "L", factor);
         return std::make_unique<UniformInfiniteLight>(InternSpectrum(*radiance), scale);
     }
 
     LightImage light = hasImage ? set.At("filename", [&] { return ReadLightImage(context.files.Resolve(p.filename)); })
                                 : ConstantImage(p.radiance, set, context);
     if (hasImage) RequireSquare(set, light);
-    const Spectrum &illuminant = light.colorSpace->Illuminant();
-    Float scale = PhotometricScale(set, p.scale, illuminant, "filename");
+    Float factor = 1;
     if (p.illuminance > 0) {
-        Float measured = MeasureIlluminance(light, IlluminanceWeights(light, portal.has_value()));
+        const Float measured = MeasureIlluminance(light, portal.has_value());
         if (!(measured > 0))
             throw set.Error("illuminance", "\"{}\" is black above the horizon, so \"illuminance\" cannot be reached.",
                             light.name);
-        scale *= p.illuminance / measured;
+        factor = p.illuminance / measured;
     }
-    RequireFinite(set, scale, illuminant, "filename");
+    const Float scale = PhotometricScale(set, p.scale, light.colorSpace->Illuminant(), "filename", factor);
     if (portal)
         return std::make_unique<PortalLight>(context.renderFromLight, light.image, *light.colorSpace, scale, *portal,
                                              context.renderFromWorld);
@@ -333,7 +318,7 @@ AreaLightMaker MakeDiffuseArea(const DiffuseAreaParams &p, const ParamSet &set, 
     emission->twoSided = p.twoSided;
     emission->power = p.power;
     const SpectrumPtr radiance = OrIlluminant(p.radiance, context);
-    emission->scale = RequireFinite(set, PhotometricScale(set, p.scale, *radiance, "L"), *radiance, "L");
+    emission->scale = PhotometricScale(set, p.scale, *radiance, "L");
     if (p.filename.empty()) {
         emission->spectrum = InternSpectrum(*radiance);
     } else {

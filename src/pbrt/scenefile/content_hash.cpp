@@ -26,8 +26,6 @@ std::vector<std::string> QuotedStrings(const std::string &text) {
     return strings;
 }
 
-bool IsSceneText(const std::string &name) { return name.ends_with(".pbrt") || name.ends_with(".pbrt.gz"); }
-
 using Visit = std::function<void(const std::string &path, const std::string &content)>;
 
 /// Visits the scene file and all files it names except `names`.
@@ -44,7 +42,8 @@ void VisitFiles(const std::string &scenePath, const Visit &visit, std::set<std::
             if (name.empty() || !names.insert(name).second) continue;
             std::error_code none;
             std::string file = files.Resolve(name);
-            if (std::filesystem::is_regular_file(file, none)) add(file, IsSceneText(file));
+            if (std::filesystem::is_regular_file(file, none))
+                add(file, file.ends_with(".pbrt") || file.ends_with(".pbrt.gz"));
         }
     };
     add(scenePath, true);

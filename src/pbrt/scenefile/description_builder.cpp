@@ -1,5 +1,7 @@
 #include "pbrt/scenefile/description_builder.h"
 
+#include <ranges>
+
 namespace pbrt {
 
 void DescriptionBuilder::Fill(Entity &entity, const std::string &type, const char *directive, Params params,
@@ -91,18 +93,15 @@ void DescriptionBuilder::CheckMaterials() {
         Missing &m = missing[shape.material.name];
         if (m.shapes++ == 0) m.firstUse = shape.loc;
     });
-    std::vector<std::string> names;
-    for (const auto &[name, loc] : materialNames_) names.push_back(name);
     for (const auto &[name, m] : missing)
         sink_.Error(m.firstUse, "This shape uses the named material \"{}\", which is not defined{}; {}.",
                     Abbreviate(name), m.shapes > 1 ? fmt::format(" (so do {} others)", m.shapes - 1) : "",
-                    ListNames(name, names, "no material is"));
+                    ListNames(name, std::views::keys(materialNames_), "no material is"));
 }
 
 void DescriptionBuilder::CheckMedia() {
     std::set<std::string> reported;
-    std::vector<std::string> names;
-    for (const MediumEntity &m : scene_.media) names.push_back(m.name);
+    const auto names = std::views::transform(scene_.media, &MediumEntity::name);
     auto check = [&](const std::string &name, const FileLoc &loc) {
         if (name.empty() || mediumIndex_.contains(name) || !reported.insert(name).second) return;
         sink_.Error(loc, "Medium \"{}\" is used here but not defined; {}.", Abbreviate(name),

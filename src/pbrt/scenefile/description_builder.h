@@ -337,8 +337,8 @@ class DescriptionBuilder {
     }
     /// ListChoices, or `none` if there are no names or the message will be dropped: lists are slow, and there may be
     /// many.
-    std::string ListNames(const std::string &given, const std::vector<std::string> &names, const char *none) const {
-        return names.empty() || sink_.IsFull() ? none : ListChoices(given, names);
+    std::string ListNames(const std::string &given, const auto &names, const char *none) const {
+        return names.empty() || sink_.IsFull() ? none : ListChoices(given, {names.begin(), names.end()});
     }
     void CheckMaterials();
     void CheckMedia();

@@ -1,5 +1,6 @@
 #include "pbrt/scenefile/tokenizer.h"
 
+#include <cctype>
 #include <charconv>
 #include <cstdlib>
 
@@ -7,8 +8,6 @@ namespace pbrt {
 namespace {
 
 bool IsDigit(char c) { return c >= '0' && c <= '9'; }
-
-bool IsHexDigit(char c) { return IsDigit(c) || ((c | 0x20) >= 'a' && (c | 0x20) <= 'f'); }
 
 }  // namespace
 
@@ -21,7 +20,8 @@ const char *ScanFloat(const char *begin, const char *end, Float *value, bool *ov
     if (!IsDigit(*p) && !(*p == '.' && p + 1 != end && IsDigit(p[1]))) return begin;
     auto format = std::chars_format::general;
     const char *digits = p;
-    if (*p == '0' && end - p >= 3 && (p[1] | 0x20) == 'x' && (IsHexDigit(p[2]) || p[2] == '.')) {
+    if (*p == '0' && end - p >= 3 && (p[1] | 0x20) == 'x' &&
+        (std::isxdigit(static_cast<unsigned char>(p[2])) || p[2] == '.')) {
         format = std::chars_format::hex;
         digits = p + 2;
     }

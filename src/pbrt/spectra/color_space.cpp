@@ -81,16 +81,6 @@ constexpr Float kTiny = std::numeric_limits<Float>::min();
 /// Bound of RGB components: products with an illuminant do not overflow.
 constexpr Float kBrightest = 1e37f;
 
-/// Factor between a colour and its scaled copy with largest component 1/2, which is looked up: sigmoids are at most 1,
-/// and the tables are smooth around 1/2.
-Float ScaleOf(const Rgb &rgb) {
-    const Rgb bounded = Bounded(rgb, kBrightest);
-    const Float largest = std::max({bounded.x, bounded.y, bounded.z});
-    return largest < kTiny ? 0 : 2 * largest;
-}
-
-Rgb RelativeTo(Float scale, const Rgb &rgb) { return scale > 0 ? Bounded(rgb, kBrightest) / scale : Rgb(0); }
-
 bool NearlyEqual(const Point2 &a, const Point2 &b) {
     auto near = [](Float x, Float y) { return x == y || std::abs(x - y) < Float(1e-3) * std::abs(y); };
     return near(a.x, b.x) && near(a.y, b.y);
@@ -166,8 +156,11 @@ glm::mat3 ConvertRgbMatrix(const ColorSpace &from, const ColorSpace &to) {
 }
 
 ScaledPolynomial ScaledPolynomial::Of(const ColorSpace &cs, const Rgb &rgb) {
-    const Float scale = ScaleOf(rgb);
-    return {scale, cs.ToPolynomial(RelativeTo(scale, rgb))};
+    const Rgb bounded = Bounded(rgb, kBrightest);
+    const Float largest = std::max({bounded.x, bounded.y, bounded.z});
+    // The scaled copy has the largest component 1/2: sigmoids are at most 1, and the tables are smooth around 1/2.
+    const Float scale = largest < kTiny ? 0 : 2 * largest;
+    return {scale, cs.ToPolynomial(scale > 0 ? bounded / scale : Rgb(0))};
 }
 
 Float SpectrumToPhotometric(const Spectrum &s) {
@@ -185,30 +178,28 @@ glm::mat3 WhiteBalanceMatrix(const Point2 &from, const Point2 &to) {
 }
 
 DenseSpectrum DaylightSpectrum(Float kelvin) {
+    const auto normalized = [](const Spectrum &s) {
+        std::vector<Float> values;
+        for (Float lambda = LambdaMin; lambda <= LambdaMax; ++lambda) values.push_back(s(lambda));
+        const Float y = SpectrumToXyz(DenseSpectrum(values)).y;
+        for (Float &v : values) v /= y;
+        return DenseSpectrum(values);
+    };
     // The illuminants were defined with the radiation constant c2 = 1.4380e-2, to which nominal temperatures refer.
     double cct = double(kelvin) * (1.4388 / 1.4380);
-    std::vector<Float> values;
-    if (cct < 4000) {
-        // CIE daylight is undefined below 4000 K; stock pbrt-v4 uses a black body there.
-        BlackbodySpectrum blackbody(static_cast<Float>(cct));
-        for (Float lambda = LambdaMin; lambda <= LambdaMax; ++lambda) values.push_back(blackbody(lambda));
-    } else {
-        double i = 1 / cct;
-        double x = cct <= 7000 ? ((-4.607e9 * i + 2.9678e6) * i + 0.09911e3) * i + 0.244063
-                               : ((-2.0064e9 * i + 1.9018e6) * i + 0.24748e3) * i + 0.23704;
-        double y = (-3 * x + 2.87) * x - 0.275;
-        double m = 0.0241 + 0.2562 * x - 0.7341 * y;
-        auto m1 = Float((-1.3515 - 1.7703 * x + 5.9114 * y) / m);
-        auto m2 = Float((0.0300 - 31.4424 * x + 30.0717 * y) / m);
-        const ThreeColumnTable &s = EmbeddedDaylight();
-        std::vector<Float> sum(s.lambdas.size());
-        for (size_t k = 0; k < sum.size(); ++k) sum[k] = s.columns[0][k] + m1 * s.columns[1][k] + m2 * s.columns[2][k];
-        PiecewiseLinearSpectrum linear(s.lambdas, sum);
-        for (Float lambda = LambdaMin; lambda <= LambdaMax; ++lambda) values.push_back(linear(lambda));
-    }
-    Float y = SpectrumToXyz(DenseSpectrum(values)).y;
-    for (Float &v : values) v /= y;
-    return DenseSpectrum(values);
+    // CIE daylight is undefined below 4000 K; stock pbrt-v4 uses a black body there.
+    if (cct < 4000) return normalized(BlackbodySpectrum(static_cast<Float>(cct)));
+    double i = 1 / cct;
+    double x = cct <= 7000 ? ((-4.607e9 * i + 2.9678e6) * i + 0.09911e3) * i + 0.244063
+                           : ((-2.0064e9 * i + 1.9018e6) * i + 0.24748e3) * i + 0.23704;
+    double y = (-3 * x + 2.87) * x - 0.275;
+    double m = 0.0241 + 0.2562 * x - 0.7341 * y;
+    auto m1 = Float((-1.3515 - 1.7703 * x + 5.9114 * y) / m);
+    auto m2 = Float((0.0300 - 31.4424 * x + 30.0717 * y) / m);
+    const ThreeColumnTable &s = EmbeddedDaylight();
+    std::vector<Float> sum(s.lambdas.size());
+    for (size_t k = 0; k < sum.size(); ++k) sum[k] = s.columns[0][k] + m1 * s.columns[1][k] + m2 * s.columns[2][k];
+    return normalized(PiecewiseLinearSpectrum(s.lambdas, sum));
 }
 
 }  // namespace pbrt

@@ -66,16 +66,6 @@ SpectrumPtr FromSamples(std::span<const Float> samples, SpectrumUse use, const s
     return std::make_shared<PiecewiseLinearSpectrum>(std::move(lambdas), std::move(values));
 }
 
-SpectrumPtr FromFile(const std::string &path, SpectrumUse use, const FileLoc &loc) {
-    std::vector<Float> samples;
-    try {
-        samples = ReadNumberFile(path);
-    } catch (const UserError &e) {
-        throw UserError(e.Diagnostics().front().message, loc);
-    }
-    return FromSamples(samples, use, path, loc);
-}
-
 SpectrumPtr FromSpectrum(const Param &p, SpectrumUse use, const FileResolver &files) {
     if (p.strings.empty()) return FromSamples(p.floats, use, fmt::format("\"spectrum {}\"", p.name), p.loc);
     RequireCount(p, p.strings.size(), 1);
@@ -85,7 +75,13 @@ SpectrumPtr FromSpectrum(const Param &p, SpectrumUse use, const FileResolver &fi
     if (!FileExists(path))
         throw UserError(p.loc, "\"spectrum {}\": \"{}\" is neither a file nor a built-in spectrum; {}.", p.name, name,
                         ListChoices(name, NamedSpectrumNames()));
-    return FromFile(path, use, p.loc);
+    std::vector<Float> samples;
+    try {
+        samples = ReadNumberFile(path);
+    } catch (const UserError &e) {
+        throw UserError(e.Diagnostics().front().message, p.loc);
+    }
+    return FromSamples(samples, use, path, p.loc);
 }
 
 SpectrumPtr FromParam(const Param &p, SpectrumUse use, const FileResolver &files) {

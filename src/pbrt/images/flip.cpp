@@ -47,13 +47,11 @@ Plane Filter(const Plane &in, Point2i size, const Kernel &alongX, const Kernel &
                 for (int x = 0; x < width; ++x) to[x] += alongX[k] * padded[x + k];
         }
     });
-    ParallelFor(height, kRowsPerTask, [&](int64_t begin, int64_t end) {
-        for (int y = int(begin); y < int(end); ++y) {
-            float *to = row(out.data(), y);
-            for (int k = -ry; k <= ry; ++k) {
-                const float *from = row(across.data(), std::clamp(y + k, 0, height - 1));
-                for (int x = 0; x < width; ++x) to[x] += alongY[k + ry] * from[x];
-            }
+    ParallelForEach(height, [&](int64_t y) {
+        float *to = row(out.data(), int(y));
+        for (int k = -ry; k <= ry; ++k) {
+            const float *from = row(across.data(), std::clamp(int(y) + k, 0, height - 1));
+            for (int x = 0; x < width; ++x) to[x] += alongY[k + ry] * from[x];
         }
     });
     return out;
@@ -79,8 +77,8 @@ void Balance(Kernel &kernel) {
 
 double Sum(const std::vector<float> &values) { return std::accumulate(values.begin(), values.end(), 0.0); }
 
-// One Gaussian of a contrast sensitivity filter as a normalised 1D kernel; `mass`: its sum over both axes before.
-Kernel SensitivityKernel(const Sensitivity &s, double *mass) {
+// Filters with one Gaussian of a contrast sensitivity, normalised; `mass`: its sum over both axes before.
+Plane SensitivityFilter(const Plane &in, Point2i size, const Sensitivity &s, double *mass) {
     const int radius = int(std::ceil(3 * std::sqrt(kWidestSensitivity / (2 * kPi * kPi)) * kPixelsPerDegree));
     Kernel kernel = Tabulate(radius, [&](int x) {
         const double d = x / kPixelsPerDegree;
@@ -93,21 +91,13 @@ Kernel SensitivityKernel(const Sensitivity &s, double *mass) {
         kernel.erase(kernel.begin());
         kernel.pop_back();
     }
-    return kernel;
-}
-
-Plane SensitivityFilter(const Plane &in, Point2i size, const Sensitivity &s) {
-    double mass = 0;
-    const Kernel kernel = SensitivityKernel(s, &mass);
     return Filter(in, size, kernel, kernel);
 }
 
 Plane BlueYellowFilter(const Plane &in, Point2i size) {
     double mass[2];
-    const Kernel wide = SensitivityKernel(kBlueYellow[0], &mass[0]);
-    const Kernel narrow = SensitivityKernel(kBlueYellow[1], &mass[1]);
-    Plane out = Filter(in, size, wide, wide);
-    const Plane other = Filter(in, size, narrow, narrow);
+    Plane out = SensitivityFilter(in, size, kBlueYellow[0], &mass[0]);
+    const Plane other = SensitivityFilter(in, size, kBlueYellow[1], &mass[1]);
     const auto weight = float(mass[0] / (mass[0] + mass[1]));
     for (size_t i = 0; i < out.size(); ++i) out[i] = weight * out[i] + (1 - weight) * other[i];
     return out;
@@ -120,32 +110,13 @@ Plane FeatureLength(const Plane &lightness, Point2i size, const Kernel &detector
     return alongX;
 }
 
-class Colors {
-  public:
-    Colors() {
-        const ColorSpace &srgb = ColorSpace::SRGB();
-        const Xyz white = srgb.ToXyz(Rgb(1, 1, 1));
-        toXyz_ = srgb.XyzFromRgb();
-        for (int column = 0; column < 3; ++column) toXyz_[column] = toXyz_[column] / white;
-        toRgb_ = glm::inverse(toXyz_);
-    }
-    Xyz FromRgb(const Rgb &c) const { return toXyz_ * c; }
-    Rgb ToRgb(const Xyz &c) const { return toRgb_ * c; }
-
-  private:
-    glm::mat3 toXyz_, toRgb_;
-};
-
-// Opponent space of the filters: CIELAB without the cube root.
-void ToOpponent(const Xyz &c, float *yy, float *cx, float *cz) {
-    *yy = 116 * c.y - 16;
-    *cx = 500 * (c.x - c.y);
-    *cz = 200 * (c.y - c.z);
-}
-
-Xyz FromOpponent(float yy, float cx, float cz) {
-    const float y = (yy + 16) / 116;
-    return {y + cx / 500, y, y - cz / 200};
+// From linear sRGB to XYZ relative to its white.
+glm::mat3 RelativeXyzFromRgb() {
+    const ColorSpace &srgb = ColorSpace::SRGB();
+    const Xyz white = srgb.ToXyz(Rgb(1, 1, 1));
+    glm::mat3 m = srgb.XyzFromRgb();
+    for (int column = 0; column < 3; ++column) m[column] = m[column] / white;
+    return m;
 }
 
 float LabCurve(float t) {
@@ -226,16 +197,16 @@ FlipReference::FlipReference(const Image &reference, bool isHdr) : resolution_(r
     if (isHdr) exposures_ = ChooseExposures(planes);
     for (size_t i = 0; i < std::max(exposures_.size(), size_t(1)); ++i) percepts_.push_back(Perceive(planes, i));
     // Green and blue have the largest distance in sRGB.
-    const Colors colors;
+    const glm::mat3 toXyz = RelativeXyzFromRgb();
     float l[2], a[2], b[2];
-    ToHuntLab(colors.FromRgb({0, 1, 0}), &l[0], &a[0], &b[0]);
-    ToHuntLab(colors.FromRgb({0, 0, 1}), &l[1], &a[1], &b[1]);
+    ToHuntLab(toXyz * Rgb(0, 1, 0), &l[0], &a[0], &b[0]);
+    ToHuntLab(toXyz * Rgb(0, 0, 1), &l[1], &a[1], &b[1]);
     largestColorDifference_ = std::pow(double(ColorDistance(l[0] - l[1], a[0] - a[1], b[0] - b[1])), kColorExponent);
 }
 
 FlipReference::Percept FlipReference::Perceive(const std::vector<float> &planes, size_t exposure) const {
     const size_t n = planes.size() / 3;
-    const Colors colors;
+    const glm::mat3 toXyz = RelativeXyzFromRgb(), toRgb = glm::inverse(toXyz);
     const bool isHdr = !exposures_.empty();
     const float factor = isHdr ? float(std::exp2(exposures_[exposure])) : 1;
     Plane yy(n), cx(n), cz(n), lightness(n);
@@ -246,7 +217,11 @@ FlipReference::Percept FlipReference::Perceive(const std::vector<float> &planes,
                 const float v = planes[c * n + i];
                 rgb[c] = isHdr ? ToneMap(v * factor) : std::clamp(v, 0.f, 1.f);
             }
-            ToOpponent(colors.FromRgb(rgb), &yy[i], &cx[i], &cz[i]);
+            // Opponent space of the filters: CIELAB without the cube root.
+            const Xyz xyz = toXyz * rgb;
+            yy[i] = 116 * xyz.y - 16;
+            cx[i] = 500 * (xyz.x - xyz.y);
+            cz[i] = 200 * (xyz.y - xyz.z);
             lightness[i] = (yy[i] + 16) / 116;
         }
     });
@@ -264,13 +239,15 @@ FlipReference::Percept FlipReference::Perceive(const std::vector<float> &planes,
     out.edge = FeatureLength(lightness, resolution_, first, smooth);
     out.point = FeatureLength(lightness, resolution_, second, smooth);
 
-    out.l = SensitivityFilter(yy, resolution_, kAchromatic);
-    out.a = SensitivityFilter(cx, resolution_, kRedGreen);
+    double ignored = 0;
+    out.l = SensitivityFilter(yy, resolution_, kAchromatic, &ignored);
+    out.a = SensitivityFilter(cx, resolution_, kRedGreen, &ignored);
     out.b = BlueYellowFilter(cz, resolution_);
     ParallelFor(n, 4096, [&](int64_t begin, int64_t end) {
         for (int64_t i = begin; i < end; ++i) {
-            const Rgb rgb = colors.ToRgb(FromOpponent(out.l[i], out.a[i], out.b[i]));
-            ToHuntLab(colors.FromRgb(glm::clamp(rgb, 0.f, 1.f)), &out.l[i], &out.a[i], &out.b[i]);
+            const float y = (out.l[i] + 16) / 116;
+            const Rgb rgb = toRgb * Xyz(y + out.a[i] / 500, y, y - out.b[i] / 200);
+            ToHuntLab(toXyz * glm::clamp(rgb, 0.f, 1.f), &out.l[i], &out.a[i], &out.b[i]);
         }
     });
     return out;

@@ -39,12 +39,6 @@ void RequireSameShape(const Image &image, const Image &reference) {
                         fmt::join(reference.Channels(), ","));
 }
 
-size_t CountNotFinite(const Image &image) {
-    size_t count = 0;
-    ForEachValue(image, [&](Point2i p, int c) { count += !std::isfinite(image.Get(p, c)); });
-    return count;
-}
-
 }  // namespace
 
 double RelL2Epsilon(double mean) { return mean != 0 ? 0.01 * mean * mean : kAbsoluteEpsilon; }
@@ -61,7 +55,10 @@ double RelL2Epsilon(const Image &reference) {
 double ImageError(const Image &image, const Image &reference, Metric metric, Image *errorImage, size_t *skipped) {
     RequireSameShape(image, reference);
     if (metric == Metric::FLIP || metric == Metric::HdrFLIP) {
-        if (skipped) *skipped = CountNotFinite(image) + CountNotFinite(reference);
+        size_t notFinite = 0;
+        for (const Image *read : {&image, &reference})
+            ForEachValue(*read, [&](Point2i p, int c) { notFinite += !std::isfinite(read->Get(p, c)); });
+        if (skipped) *skipped = notFinite;
         return FlipReference(reference, metric == Metric::HdrFLIP).Compare(image, errorImage);
     }
     const double epsilon = EpsilonOf(metric, reference);

@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <filesystem>
 #include <fstream>
+#include <string_view>
 
 #include "pbrt/core/error.h"
 #include "pbrt/core/files.h"
@@ -29,12 +30,6 @@ const ImageLibrary &Library() {
 namespace pbrt::formats {
 namespace {
 
-std::vector<std::string> NamesFor(int channels) {
-    static const std::vector<std::string> rgba = {"R", "G", "B", "A"};
-    if (channels == 1) return {"Y"};
-    return {rgba.begin(), rgba.begin() + channels};
-}
-
 // Applies an EXIF orientation that only mirrors or rotates by 180 degrees.
 Image Upright(const Image &image, int orientation) {
     bool mirrorX = orientation == 2 || orientation == 3, mirrorY = orientation == 3 || orientation == 4;
@@ -45,14 +40,6 @@ Image Upright(const Image &image, int orientation) {
         result.Set(p, c, image.Get({mirrorX ? last.x - p.x : p.x, mirrorY ? last.y - p.y : p.y}, c));
     });
     return result;
-}
-
-/// Upper bound on pixel bytes per file byte: constant data with deflate, run lengths, LZW or one Huffman bit per block,
-/// times up to 24 for 1-bit pixels. TIFF files of white pages have no such limit.
-double MaxExpansion(const std::string &format) {
-    for (const char *limited : {"png", "jpeg", "bmp", "targa", "pnm", "hdr", "psd", "gif"})
-        if (format == limited) return 25000;
-    return Infinity;
 }
 
 /// True if all strips or tiles of the first image of a TIFF or BigTIFF file are in the file.
@@ -119,11 +106,17 @@ ImageFile ReadOther(const std::string &path, std::optional<ColorEncoding> encodi
     CheckEnd(path);
     const std::unique_ptr<oiio::OpenFile> file = oiio::Library().Open(path);
     const Point2i resolution(file->width, file->height);
-    const std::vector<std::string> names = NamesFor(file->channels);
+    std::vector<std::string> names = {"R", "G", "B", "A"};
+    names.resize(file->channels);
+    if (file->channels == 1) names = {"Y"};
     const ColorEncoding bytes = file->format == "png" ? encoding.value_or(ColorEncoding{}) : ColorEncoding{};
     const bool isFloat = file->type == oiio::ValueType::Float, isDeep = file->type == oiio::ValueType::U16;
     const int valueBytes = isFloat ? 4 : isDeep ? 2 : 1;
-    CheckSize(path, resolution.x, resolution.y, file->channels, valueBytes, MaxExpansion(file->format));
+    // Upper bound on pixel bytes per file byte: constant data with deflate, run lengths, LZW or one Huffman bit per
+    // block, times up to 24 for 1-bit pixels. TIFF files of white pages have no such limit.
+    constexpr std::string_view kLimited[] = {"png", "jpeg", "bmp", "targa", "pnm", "hdr", "psd", "gif"};
+    const double maxExpansion = std::ranges::count(kLimited, file->format) > 0 ? 25000 : Infinity;
+    CheckSize(path, resolution.x, resolution.y, file->channels, valueBytes, maxExpansion);
     if (file->format == "hdr" && file->orientation > 4)
         throw UserError(
             "{}: the pixels are stored column by column; only row by row is supported (a resolution line "
@@ -148,23 +141,17 @@ ImageFile ReadOther(const std::string &path, std::optional<ColorEncoding> encodi
 }
 
 std::string EncodeBytes(const std::string &format, const std::string &path, const Image &image) {
-    const ColorEncoding sRGB{};
-    const size_t values = image.ValueCount();
-    std::vector<uint8_t> bytes(values);
+    const ByteCode &code = ByteCode::Of(ColorEncoding{});  // sRGB
+    std::vector<uint8_t> bytes;
+    bytes.reserve(image.ValueCount());
     size_t clamped = 0;
-    if (image.Format() == PixelFormat::U8 && image.Encoding() == sRGB) {
-        const auto *data = static_cast<const uint8_t *>(image.Data());
-        bytes.assign(data, data + values);
-    } else {
-        const ByteCode &code = ByteCode::Of(sRGB);
-        size_t i = 0;
-        ForEachValue(image, [&](Point2i p, int c) {
-            const Float v = image.Get(p, c);
-            clamped += !(v >= 0 && v <= 1);
-            bytes[i++] = code.Encode(v);
-        });
-    }
-    if (clamped) LogWarning("{}: {} of {} channel values were outside [0, 1] and clamped.", path, clamped, values);
+    ForEachValue(image, [&](Point2i p, int c) {
+        const Float v = image.Get(p, c);
+        clamped += !(v >= 0 && v <= 1);
+        bytes.push_back(code.Encode(v));
+    });
+    if (clamped)
+        LogWarning("{}: {} of {} channel values were outside [0, 1] and clamped.", path, clamped, bytes.size());
     const std::vector<unsigned char> file = oiio::Library().Encode(
         format, {image.Resolution().x, image.Resolution().y, image.ChannelCount(), oiio::ValueType::U8, bytes.data()});
     return {file.begin(), file.end()};

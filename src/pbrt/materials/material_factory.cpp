@@ -176,34 +176,6 @@ std::shared_ptr<SurfaceMaterial> MakeCoatedConductor(const CoatedConductorParams
     });
 }
 
-std::shared_ptr<SurfaceMaterial> MakeConductor(const ConductorParams &p, const ParamSet &set,
-                                               MaterialContext &context) {
-    const MetalInput metal = p.MetalParams::Make(set, context);
-    const RoughnessInput roughness = p.RoughnessParams::Make(context, p.remap);
-    return MakeLobeMaterial([=](const SurfacePoint &point, const SampledWavelengths &lambda) {
-        const MetalInput::Index index = metal(point, lambda);
-        return ConductorBxdf(roughness(point), index.eta, index.k);
-    });
-}
-
-std::shared_ptr<SurfaceMaterial> MakeDielectric(const DielectricParams &p, const ParamSet &set,
-                                                MaterialContext &context) {
-    const IndexInput eta = p.IndexParams::Make(set, context);
-    const RoughnessInput roughness = p.RoughnessParams::Make(context, p.remap);
-    return MakeLobeMaterial([=](const SurfacePoint &point, SampledWavelengths &lambda) {
-        return DielectricBxdf(eta(lambda), roughness(point));
-    });
-}
-
-std::shared_ptr<SurfaceMaterial> MakeDiffuseTransmission(const DiffuseTransmissionParams &p, const ParamSet &,
-                                                         MaterialContext &context) {
-    const SpectrumInput reflectance = Inputs(context)(p.reflectance), transmittance = Inputs(context)(p.transmittance);
-    return MakeLobeMaterial([=, scale = p.scale](const SurfacePoint &point, const SampledWavelengths &lambda) {
-        return DiffuseTransmissionBxdf(Clamp(scale * reflectance(point, lambda), 0, 1),
-                                       Clamp(scale * transmittance(point, lambda), 0, 1));
-    });
-}
-
 class InterfaceMaterial final : public Material {
   public:
     Bsdf GetBsdf(const SurfacePoint &, SampledWavelengths &) const override { return {}; }
@@ -278,15 +250,37 @@ const MaterialTable &Materials() {
         });
         AddSurface<CoatedDiffuseParams>(t, "coateddiffuse", "", MakeCoatedDiffuse);
         AddSurface<CoatedConductorParams>(t, "coatedconductor", "", MakeCoatedConductor);
-        AddSurface<ConductorParams>(t, "conductor", "", MakeConductor);
+        AddSurface<ConductorParams>(t, "conductor", "", [](const auto &p, const ParamSet &set, auto &c) {
+            const MetalInput metal = p.MetalParams::Make(set, c);
+            const RoughnessInput roughness = p.RoughnessParams::Make(c, p.remap);
+            return MakeLobeMaterial([=](const SurfacePoint &point, const SampledWavelengths &lambda) {
+                const MetalInput::Index index = metal(point, lambda);
+                return ConductorBxdf(roughness(point), index.eta, index.k);
+            });
+        });
         AddSurface<DielectricParams>(
-            t, "dielectric", "**differs**: an index that is not above 0 is an error, in all materials", MakeDielectric);
+            t, "dielectric", "**differs**: an index that is not above 0 is an error, in all materials",
+            [](const auto &p, const ParamSet &set, auto &c) {
+                const IndexInput eta = p.IndexParams::Make(set, c);
+                const RoughnessInput roughness = p.RoughnessParams::Make(c, p.remap);
+                return MakeLobeMaterial([=](const SurfacePoint &point, SampledWavelengths &lambda) {
+                    return DielectricBxdf(eta(lambda), roughness(point));
+                });
+            });
         AddSurface<ThinDielectricParams>(t, "thindielectric", "", [](const auto &p, const ParamSet &set, auto &c) {
             return MakeLobeMaterial([eta = p.IndexParams::Make(set, c)](const SurfacePoint &, auto &lambda) {
                 return ThinDielectricBxdf(eta(lambda));
             });
         });
-        AddSurface<DiffuseTransmissionParams>(t, "diffusetransmission", "", MakeDiffuseTransmission);
+        AddSurface<DiffuseTransmissionParams>(
+            t, "diffusetransmission", "", [](const auto &p, const ParamSet &, auto &c) {
+                const SpectrumInput reflectance = Inputs(c)(p.reflectance), transmittance = Inputs(c)(p.transmittance);
+                return MakeLobeMaterial(
+                    [=, scale = p.scale](const SurfacePoint &point, const SampledWavelengths &lambda) {
+                        return DiffuseTransmissionBxdf(Clamp(scale * reflectance(point, lambda), 0, 1),
+                                                       Clamp(scale * transmittance(point, lambda), 0, 1));
+                    });
+            });
         AddHair(t);
         AddMeasured(t);
         AddSubsurface(t);

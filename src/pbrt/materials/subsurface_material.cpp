@@ -71,22 +71,17 @@ struct SubsurfaceParams : RemapParams, ReliefParams {
     }
 };
 
-const ScatteringPreset &FindPreset(const ParamSet &set, const std::string &name) {
-    std::vector<std::string> names;
-    for (const ScatteringPreset &preset : EmbeddedScatteringPresets()) {
-        if (preset.name == name) return preset;
-        names.push_back(preset.name);
-    }
-    throw set.Error("name", "there is no medium \"{}\"; {}.", Abbreviate(name), ListChoices(name, names));
-}
-
 /// Medium by name, coefficients or reflectance; else stock's default.
 SubsurfaceMatter MakeSubsurfaceMatter(const SubsurfaceParams &p, const ParamSet &set, MaterialContext &context) {
     Inputs in(context);
     if (!p.name.empty()) {
-        const ScatteringPreset &preset = FindPreset(set, p.name);
         const auto constant = [](const std::array<Float, 3> &rgb) { return ConstantSrgb({rgb[0], rgb[1], rgb[2]}); };
-        return {constant(preset.absorption), constant(preset.reducedScattering)};
+        std::vector<std::string> names;
+        for (const ScatteringPreset &preset : EmbeddedScatteringPresets()) {
+            if (preset.name == p.name) return {constant(preset.absorption), constant(preset.reducedScattering)};
+            names.push_back(preset.name);
+        }
+        throw set.Error("name", "there is no medium \"{}\"; {}.", Abbreviate(p.name), ListChoices(p.name, names));
     }
     if (!p.sigmaA != !p.sigmaS)
         throw set.Error(p.sigmaA ? "sigma_a" : "sigma_s", "\"sigma_a\" and \"sigma_s\" must be given together.");
@@ -96,19 +91,6 @@ SubsurfaceMatter MakeSubsurfaceMatter(const SubsurfaceParams &p, const ParamSet 
             ConstantSrgb({Float(2.55), Float(3.21), Float(3.77)})};
 }
 
-std::shared_ptr<SurfaceMaterial> MakeSubsurface(const SubsurfaceParams &p, const ParamSet &set,
-                                                MaterialContext &context) {
-    SubsurfaceMatter matter = MakeSubsurfaceMatter(p, set, context);
-    Float g = p.g;
-    if (g != 0 && !p.name.empty()) {
-        set.Warn(context.sink, "g", "\"g\" has no effect beside \"name\".");
-        g = 0;
-    }
-    CheckIndex(set, "eta", ConstantSpectrum(p.eta));
-    return std::make_shared<SubsurfaceMaterial>(std::move(matter), p.scale, p.roughness.Make(context, p.remap),
-                                                SubsurfaceTable::Shared(g, p.eta));
-}
-
 }  // namespace
 
 void AddSubsurface(MaterialTable &table) {
@@ -116,7 +98,17 @@ void AddSubsurface(MaterialTable &table) {
         table, "subsurface",
         "scatters light below the surface with volpath only, as in stock; **differs** a little: "
         "[departures](#departures)",
-        MakeSubsurface);
+        [](const SubsurfaceParams &p, const ParamSet &set, MaterialContext &context) {
+            SubsurfaceMatter matter = MakeSubsurfaceMatter(p, set, context);
+            Float g = p.g;
+            if (g != 0 && !p.name.empty()) {
+                set.Warn(context.sink, "g", "\"g\" has no effect beside \"name\".");
+                g = 0;
+            }
+            CheckIndex(set, "eta", ConstantSpectrum(p.eta));
+            return std::make_shared<SubsurfaceMaterial>(std::move(matter), p.scale, p.roughness.Make(context, p.remap),
+                                                        SubsurfaceTable::Shared(g, p.eta));
+        });
 }
 
 }  // namespace pbrt

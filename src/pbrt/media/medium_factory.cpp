@@ -288,14 +288,6 @@ struct NanoVdbParams {
     }
 };
 
-std::unique_ptr<Medium> MakeNanoVdb(const NanoVdbParams &p, const ParamSet &set, const MediumContext &context) {
-    MediumSpectra spectra = p.coefficients.Make(set, context, p.scale);
-    const Transform &place = RequirePlace(set, context);
-    const NanoVdbRequest request{context.files.Resolve(p.filename), p.gridName, p.temperatureName,
-                                 p.thermal.Make(set, p.emissionScale)};
-    return set.At("filename", [&] { return MakeNanoVdbMedium(request, std::move(spectra), p.coefficients.g, place); });
-}
-
 }  // namespace
 
 const MediumFactories &Media() {
@@ -308,7 +300,14 @@ const MediumFactories &Media() {
                                return std::make_unique<CloudMedium>(p.coefficients.Make(set, c, 1), p.coefficients.g,
                                                                     RequirePlace(set, c), p.bounds.Make(set), p.shape);
                            });
-        t.Add<NanoVdbParams>("nanovdb", "voxels from a NanoVDB file", MakeNanoVdb);
+        t.Add<NanoVdbParams>("nanovdb", "voxels from a NanoVDB file", [](const auto &p, const ParamSet &set, auto &c) {
+            MediumSpectra spectra = p.coefficients.Make(set, c, p.scale);
+            const Transform &place = RequirePlace(set, c);
+            const NanoVdbRequest request{c.files.Resolve(p.filename), p.gridName, p.temperatureName,
+                                         p.thermal.Make(set, p.emissionScale)};
+            return set.At("filename",
+                          [&] { return MakeNanoVdbMedium(request, std::move(spectra), p.coefficients.g, place); });
+        });
     });
     return table;
 }

@@ -44,12 +44,6 @@ Vector3 LatticeGradient(const glm::ivec3 &cell) {
     return Vector3(g[0], g[1], g[2]);
 }
 
-/// Dot product of the gradient at lattice point `cell` and the offset d from it.
-Float LatticePlane(const glm::ivec3 &cell, const Vector3 &d) {
-    const Vector3 g = LatticeGradient(cell);
-    return g.x * d.x + g.y * d.y + g.z * d.z;
-}
-
 /// Quintic from 0 to 1 with two vanishing derivatives at both ends.
 Float Fade(Float t) { return t * t * t * (t * (t * 6 - 15) + 10); }
 Float FadeSlope(Float t) { return 30 * Sqr(t * (t - 1)); }
@@ -88,7 +82,7 @@ Float GradientNoise(const Point3 &p) {
     Float heights[8];
     for (int i = 0; i < 8; ++i) {
         const glm::ivec3 corner(i & 1, (i >> 1) & 1, i >> 2);
-        heights[i] = LatticePlane(cell + corner, d - Vector3(corner));
+        heights[i] = Dot(LatticeGradient(cell + corner), d - Vector3(corner));
     }
     const Vector3 w(Fade(d.x), Fade(d.y), Fade(d.z));
     Float y[2];

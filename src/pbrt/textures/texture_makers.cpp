@@ -292,15 +292,11 @@ struct ImagemapParams : MappingParams {
 };
 
 ImageOverlay MakeImageOverlay(const ImagemapParams &p, const ParamSet &set, const TextureRequest &r) {
-    ImageOverlay overlay;
-    overlay.mapping = p.Make(set, r.renderFromTexture, r.sink);
-    overlay.scale = p.scale;
-    overlay.invert = p.invert;
+    const TextureMapping2D mapping = p.Make(set, r.renderFromTexture, r.sink);
     const MipMapKey key = p.Key(set, r.files);
     if (!FileExists(key.path))
         throw MissingImageError(fmt::format("{}: file not found.", p.filename), set.LocOf("filename"));
-    overlay.image = set.At("filename", [&] { return r.images.GetMipMap(key); });
-    return overlay;
+    return {set.At("filename", [&] { return r.images.GetMipMap(key); }), mapping, p.scale, p.invert};
 }
 
 template <class Kind, class Table>

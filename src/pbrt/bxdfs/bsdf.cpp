@@ -20,8 +20,7 @@ auto Dispatch(Variant &lobes, Function f) {
     }
 }
 
-template <class L>
-auto ApproximationOf(const L &lobe, const Vector3 &wo) {
+auto ApproximationOf(const auto &lobe, const Vector3 &wo) {
     if constexpr (requires { lobe.ApproximationTerms(wo); }) {
         return [&lobe, wo, terms = lobe.ApproximationTerms(wo)](const Vector3 &wi) {
             return lobe.Approximate(wo, wi, terms);

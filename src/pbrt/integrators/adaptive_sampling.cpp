@@ -124,7 +124,14 @@ class CellWork {
     /// root of variance over cost, with at most `maxGrowth` times the samples of a cell. Zero variances: towards equal
     /// numbers.
     std::vector<double> Added(const std::vector<double> &variance, int end, int maxGrowth) const {
-        const std::vector<double> wanted = Wanted(variance);
+        std::vector<double> wanted(variance.size());
+        double area = 0, sum = 0;
+        for (size_t i = 0; i < wanted.size(); ++i) {
+            wanted[i] = std::sqrt(variance[i] / cost_[i]);
+            area += pixels_[i];
+            sum += pixels_[i] * wanted[i];
+        }
+        for (double &w : wanted) w = sum > 0 ? w + kUniformShare * sum / area : 1;
         const auto maxAdded = [&](size_t i) {
             return std::min(double(maxGrowth) * before_[i], double(SamplePlan::kMaxCount)) - before_[i];
         };
@@ -164,18 +171,6 @@ class CellWork {
 
   private:
     static constexpr int kBisections = 60;
-
-    std::vector<double> Wanted(const std::vector<double> &variance) const {
-        std::vector<double> wanted(variance.size());
-        double area = 0, sum = 0;
-        for (size_t i = 0; i < wanted.size(); ++i) {
-            wanted[i] = std::sqrt(variance[i] / cost_[i]);
-            area += pixels_[i];
-            sum += pixels_[i] * wanted[i];
-        }
-        for (double &w : wanted) w = sum > 0 ? w + kUniformShare * sum / area : 1;
-        return wanted;
-    }
 
     std::vector<int> before_;            ///< samples per pixel
     std::vector<double> pixels_, cost_;  ///< cost of one sample, in rays

@@ -43,38 +43,6 @@ bool ReducePass(const RenderPass &pass, int64_t chunks, int64_t whole, int64_t u
     return false;
 }
 
-}  // namespace
-
-bool RenderChunks(const RenderPass &pass, const PassChunks &chunks) {
-    if (pass.done && pass.done->empty()) pass.done->assign(size_t(chunks.count), 0);
-    const auto doneBefore = [&](int64_t i) { return pass.done ? (*pass.done)[i] : 0; };
-    for (int64_t i = 0; pass.done && i < chunks.count; ++i)
-        if (pass.done->size() != size_t(chunks.count) || doneBefore(i) > chunks.samplesOf(i))
-            throw UserError("{}: what is left of a pass does not fit the image.", pass.doneFile);
-    if (chunks.splat) pass.film.ExpectSplats();
-    std::atomic<int64_t> whole = 0;
-    std::atomic<uint64_t> paths = 0;
-    // Returns the samples added to a chunk that is now complete.
-    const auto render = [&](int64_t i) {
-        const uint32_t before = doneBefore(i);
-        const uint32_t done = chunks.render(i, before);
-        if (pass.done) (*pass.done)[i] = done;
-        paths.fetch_add(done - before, std::memory_order_relaxed);
-        if (done < chunks.samplesOf(i)) return int64_t{0};
-        whole.fetch_add(1, std::memory_order_relaxed);
-        return int64_t{done} - int64_t{before};
-    };
-    const std::vector<uint32_t> before = pass.done ? *pass.done : std::vector<uint32_t>();
-    const int64_t unreported = DistributeWork(pass.team, chunks.count, pass.progress, [&](int64_t i) {
-        const int64_t added = render(i);
-        return pass.isCounted ? added : 0;
-    });
-    if (chunks.splat && pass.keepsSamples) pass.film.AddSplatPaths(paths);
-    return ReducePass(pass, chunks.count, whole, unreported, before);
-}
-
-namespace {
-
 constexpr int kTileSize = 16;
 /// Minimum strips per thread if several processes render a pass, for load balance.
 constexpr int64_t kStripsPerThread = 64;
@@ -215,6 +183,34 @@ class PassStrips {
 };
 
 }  // namespace
+
+bool RenderChunks(const RenderPass &pass, const PassChunks &chunks) {
+    if (pass.done && pass.done->empty()) pass.done->assign(size_t(chunks.count), 0);
+    const auto doneBefore = [&](int64_t i) { return pass.done ? (*pass.done)[i] : 0; };
+    for (int64_t i = 0; pass.done && i < chunks.count; ++i)
+        if (pass.done->size() != size_t(chunks.count) || doneBefore(i) > chunks.samplesOf(i))
+            throw UserError("{}: what is left of a pass does not fit the image.", pass.doneFile);
+    if (chunks.splat) pass.film.ExpectSplats();
+    std::atomic<int64_t> whole = 0;
+    std::atomic<uint64_t> paths = 0;
+    // Returns the samples added to a chunk that is now complete.
+    const auto render = [&](int64_t i) {
+        const uint32_t before = doneBefore(i);
+        const uint32_t done = chunks.render(i, before);
+        if (pass.done) (*pass.done)[i] = done;
+        paths.fetch_add(done - before, std::memory_order_relaxed);
+        if (done < chunks.samplesOf(i)) return int64_t{0};
+        whole.fetch_add(1, std::memory_order_relaxed);
+        return int64_t{done} - int64_t{before};
+    };
+    const std::vector<uint32_t> before = pass.done ? *pass.done : std::vector<uint32_t>();
+    const int64_t unreported = DistributeWork(pass.team, chunks.count, pass.progress, [&](int64_t i) {
+        const int64_t added = render(i);
+        return pass.isCounted ? added : 0;
+    });
+    if (chunks.splat && pass.keepsSamples) pass.film.AddSplatPaths(paths);
+    return ReducePass(pass, chunks.count, whole, unreported, before);
+}
 
 bool PixelIntegrator::Render(const RenderPass &pass) {
     PassRenderer renderer(*this, pass, CommonWavelengths());

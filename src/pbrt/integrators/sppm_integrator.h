@@ -102,16 +102,14 @@ class SppmIntegrator final : public PixelIntegrator {
     /// Light paths per task.
     static constexpr int64_t kGroup = 4096;
 
-    /// Coordinate of a light path: a scrambled Sobol' sequence over all light paths of a batch of iterations.
-    static Float SobolNumber(int dimension, uint64_t index, uint64_t seed) {
-        const uint32_t v = SobolBits(SobolMatrices() + dimension * SobolIndexBits, index);
-        return SobolToFloat(OwenScramble(v, Hash(seed, dimension)));
-    }
-
     void TraceLightPath(const SampledWavelengths &shared, uint64_t index, std::vector<Photon> &photons) const {
         const Scene &scene = context_.scene;
         SampledWavelengths lambda = shared;
-        const auto number = [&](int dimension) { return SobolNumber(dimension, index, seed_); };
+        // A scrambled Sobol' sequence over all light paths of a batch of iterations.
+        const auto number = [&](int dimension) {
+            const uint32_t v = SobolBits(SobolMatrices() + dimension * SobolIndexBits, index);
+            return SobolToFloat(OwenScramble(v, Hash(seed_, dimension)));
+        };
         Rng rng(Hash(seed_, index));
         LightQuery anywhere;
         anywhere.time = glm::mix(context_.camera.ShutterOpen(), context_.camera.ShutterClose(), rng.Uniform());

@@ -11,8 +11,7 @@
 namespace pbrt {
 namespace {
 
-template <class Select>
-LightImage Read(const std::string &path, Select select) {
+LightImage Read(const std::string &path, auto select) {
     ImageFile file = ReadImage(path);
     LightImage result{select(file.image), file.metadata.colorSpace ? file.metadata.colorSpace : &ColorSpace::SRGB(),
                       path};

@@ -26,14 +26,9 @@ LightBounds Union(const LightBounds &a, const LightBounds &b) {
             .twoSided = a.twoSided || b.twoSided};
 }
 
-namespace {
-/// Minimum power of an emitting light, relative to the maximum.
-constexpr double kMinShare = 1e-30;
-/// Limits powers so that image sums stay finite.
-constexpr double kMaxPower = 1e100;
-}  // namespace
-
 void LightTable::Finish(const Point3 &sceneCenter, Float sceneRadius, const Bounds3 &receivers) {
+    constexpr double kMinShare = 1e-30;  // minimum power of an emitting light, relative to the maximum
+    constexpr double kMaxPower = 1e100;  // image sums stay finite
     PBRT_CHECK(!byComponent_);
     receivers_ = receivers;
     for (const Entry &entry : lights_) entry.light->Preprocess(sceneCenter, sceneRadius);

@@ -14,6 +14,12 @@ constexpr size_t kNmCount = kLastNm - kFirstNm + 1;
 constexpr Float kPeak = 0.0039398042f, kMid = 538, kWidth = 138.888889f;
 constexpr Float kTanhAtMin = 0.85691062f, kTanhSpan = 1.82750197f;
 
+/// Values are at whole nanometres; 0 outside 360-830 nm.
+inline Float Nearest(const Float *values, Float lambda) {
+    auto i = unsigned(int(lambda + Float(0.5)) - kFirstNm);
+    return i < kNmCount ? values[i] : 0;
+}
+
 }  // namespace
 
 SampledWavelengths SampledWavelengths::SampleVisible(Float u) {
@@ -90,14 +96,6 @@ void DenseSpectrum::Summarise() {
     for (size_t i = 0; i < kNmCount; ++i) square += weights[i] * double(values_[i]) * double(values_[i]);
     rootMeanSquare_ = Float(std::sqrt(square));
 }
-
-namespace {
-/// Values are at whole nanometres; 0 outside 360-830 nm.
-inline Float Nearest(const Float *values, Float lambda) {
-    auto i = unsigned(int(lambda + Float(0.5)) - kFirstNm);
-    return i < kNmCount ? values[i] : 0;
-}
-}  // namespace
 
 Float DenseSpectrum::operator()(Float lambda) const { return Nearest(values_.data(), lambda); }
 

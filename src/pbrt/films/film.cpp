@@ -67,13 +67,12 @@ bool HasSplats(const std::vector<StateBlock> &blocks) {
 
 /// True if all doubles among the sums are finite. Counts never have such bits; splat sums may, and are excluded.
 bool AreFinite(std::string_view sums) {
-    bool areFinite = true;
     for (size_t at = 0; at + sizeof(double) <= sums.size(); at += sizeof(double)) {
         double value = 0;
         std::memcpy(&value, sums.data() + at, sizeof(value));
-        areFinite = areFinite && std::isfinite(value);
+        if (!std::isfinite(value)) return false;
     }
-    return areFinite;
+    return true;
 }
 
 Bounds2i FromCropWindow(const Bounds2 &window, Point2i resolution) {

@@ -322,18 +322,6 @@ FloatTexturePtr MakeNoise(const NoiseParams &p, const ParamSet &set, const Textu
     });
 }
 
-/// Veins alternating along y of texture space. Always uplifted as a reflectance, regardless of its use.
-SpectrumTexturePtr MakeMarble(const MarbleParams &p, const ParamSet &set, const TextureRequest &r) {
-    const PointMapping mapping = MakePointMapping(set, r, "noise");
-    return SpectrumKind::Compute(true, [=](const TextureContext &ctx, const SampledWavelengths &lambda) {
-        const TexCoord3 c = mapping.Map(ctx);
-        const Float s = p.scale;
-        const Point3 q = s * c.p;
-        const Float phase = q.y + p.variation * p.noise.octaves.Signed(q, s * c.dpdx, s * c.dpdy);
-        return RgbAlbedoSpectrum(ColorSpace::SRGB(), MarbleColor((1 + std::sin(phase)) / 2)).Sample(lambda);
-    });
-}
-
 }  // namespace
 
 const FloatTextureTable &FloatTextures() {
@@ -360,7 +348,17 @@ const SpectrumTextureTable &SpectrumTextures() {
         t.Add<ImagemapParams>("imagemap", "as the float texture", [](const auto &p, const ParamSet &set, auto &r) {
             return std::make_shared<ImageSpectrumTexture>(MakeImageOverlay(p, set, r), r.use);
         });
-        t.Add<MarbleParams>("marble", "", MakeMarble);
+        // Veins alternating along y of texture space. Always uplifted as a reflectance, regardless of its use.
+        t.Add<MarbleParams>("marble", "", [](const auto &p, const ParamSet &set, auto &r) {
+            const PointMapping mapping = MakePointMapping(set, r, "noise");
+            return SpectrumKind::Compute(true, [=](const TextureContext &ctx, const SampledWavelengths &lambda) {
+                const TexCoord3 c = mapping.Map(ctx);
+                const Float s = p.scale;
+                const Point3 q = s * c.p;
+                const Float phase = q.y + p.variation * p.noise.octaves.Signed(q, s * c.dpdx, s * c.dpdy);
+                return RgbAlbedoSpectrum(ColorSpace::SRGB(), MarbleColor((1 + std::sin(phase)) / 2)).Sample(lambda);
+            });
+        });
     });
     return table;
 }

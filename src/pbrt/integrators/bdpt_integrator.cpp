@@ -70,7 +70,7 @@ bool BdptIntegrator::PassMedium(PathWalk &walk, Subpath &path, const Sample &sam
         sample.lambda, u, rng, emits, path.weights, [&](const SampledSpectrum &radiance, Float mean) {
             path.L += radiance;
             path.ofFirst += radiance[0] * mean;
-            if (strategies_) Record(sample, {0, path.count + 1, radiance, radiance, {}, mean});
+            if (strategies_) sample.paths.contributions.push_back({0, path.count + 1, radiance, radiance, {}, mean});
         });
     if (event.kind == MediumEvent::Kind::Absorbed || !path.weights.beta) return false;
     if (event.kind == MediumEvent::Kind::Passed) return true;
@@ -219,12 +219,8 @@ void BdptIntegrator::AddEmission(const PathWalk &walk, Subpath &path, Sample &sa
         const Float mean = hasMedia_ ? path.weights.ru.Average() : 1;
         path.L += hasMedia_ ? L / mean : L;
         path.ofFirst += L[0];
-        if (strategies_) Record(sample, {0, path.count + 1, arriving / mean, L / mean, {}, mean});
+        if (strategies_) sample.paths.contributions.push_back({0, path.count + 1, arriving / mean, L / mean, {}, mean});
     });
-}
-
-void BdptIntegrator::Record(const Sample &sample, const StrategyImages::Contribution &contribution) const {
-    sample.paths.contributions.push_back(contribution);
 }
 
 Float BdptIntegrator::WeightOf(Sample &sample, int lightVertices, int cameraVertices, const BdptVertex *end,
@@ -286,7 +282,8 @@ SampledSpectrum BdptIntegrator::ConnectToLight(Sample &sample, int cameraVertice
     end.direction = -found.wi;
     end.pdfForward = weights_.LightPdf(end, last);
     const SampledSpectrum weighted = Passed(sample, L * WeightOf(sample, 1, cameraVertices, &end, 0), through, last.ru);
-    if (strategies_) Record(sample, {1, cameraVertices, Passed(sample, L, through, last.ru), weighted});
+    if (strategies_)
+        sample.paths.contributions.push_back({1, cameraVertices, Passed(sample, L, through, last.ru), weighted});
     return weighted;
 }
 
@@ -309,7 +306,8 @@ SampledSpectrum BdptIntegrator::ConnectSubpaths(Sample &sample, int lightVertice
     const SampledSpectrum ru = a.ru * b.ru;
     const SampledSpectrum weighted =
         Passed(sample, L * WeightOf(sample, lightVertices, cameraVertices, nullptr, 0), through, ru);
-    if (strategies_) Record(sample, {lightVertices, cameraVertices, Passed(sample, L, through, ru), weighted});
+    if (strategies_)
+        sample.paths.contributions.push_back({lightVertices, cameraVertices, Passed(sample, L, through, ru), weighted});
     return weighted;
 }
 
@@ -336,7 +334,9 @@ void BdptIntegrator::ConnectToCamera(Sample &sample, int lightVertices, std::vec
     const SampledSpectrum weighted = Passed(sample, L * weight, through, last.ru);
     const auto add = [&](const Point2 &pFilm) {
         splats.push_back({pFilm, weighted});
-        if (strategies_) Record(sample, {lightVertices, 1, Passed(sample, L, through, last.ru), weighted, pFilm});
+        if (strategies_)
+            sample.paths.contributions.push_back(
+                {lightVertices, 1, Passed(sample, L, through, last.ru), weighted, pFilm});
     };
     add(connection->pFilm);
     Camera::OtherPlaces places;

@@ -91,8 +91,6 @@ class BdptIntegrator final : public PixelIntegrator {
     SampledSpectrum ConnectToLight(Sample &sample, int cameraVertices) const;
     SampledSpectrum ConnectSubpaths(Sample &sample, int lightVertices, int cameraVertices) const;
     void ConnectToCamera(Sample &sample, int lightVertices, std::vector<CameraSplat> &splats) const;
-    /// For strategy images.
-    void Record(const Sample &sample, const StrategyImages::Contribution &contribution) const;
     /// MIS weight of the path of the first `lightVertices` and `cameraVertices` vertices of both subpaths. `end`
     /// replaces the first vertex: the emission hit by the camera path, or the sampled light.
     Float WeightOf(Sample &sample, int lightVertices, int cameraVertices, const BdptVertex *end, Float cameraPdf) const;

@@ -182,7 +182,12 @@ class MltIntegrator final : public Integrator {
             const auto mean = Float(unit.mean);
             for (uint32_t i = 0; i < all; ++i) {
                 if (pass_.progress.Cancelled()) return std::max(i, done);
-                Mutate(current, rng, proposed);
+                const bool isLarge = rng.Uniform() < settings_.largeStepProbability;
+                for (int k = 0; k < 3; ++k) {
+                    proposed.numbers[k].clear();
+                    if (!isLarge) PerturbNumbers(current.numbers[k], settings_.sigma, rng, proposed.numbers[k]);
+                }
+                Trace(proposed, rng);
                 const Float accept = std::min(Float(1), proposed.importance / current.importance);
                 if (i >= done) {
                     if (accept > 0) AddToFilm(proposed, accept * (mean / proposed.importance));
@@ -201,15 +206,6 @@ class MltIntegrator final : public Integrator {
             Rng rng(Hash(seed_, SampleOf(unit), index, uint64_t{0}));
             for (std::vector<Float> &numbers : pair.numbers) numbers.clear();
             Trace(pair, rng);
-        }
-
-        void Mutate(const Pair &current, Rng &rng, Pair &proposed) const {
-            const bool isLarge = rng.Uniform() < settings_.largeStepProbability;
-            for (int k = 0; k < 3; ++k) {
-                proposed.numbers[k].clear();
-                if (!isLarge) PerturbNumbers(current.numbers[k], settings_.sigma, rng, proposed.numbers[k]);
-            }
-            Trace(proposed, rng);
         }
 
         /// Evaluates the contribution of a pair's numbers, drawing missing ones.

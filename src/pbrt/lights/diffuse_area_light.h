@@ -166,8 +166,8 @@ class DiffuseAreaLight final : public Light {
     bool EmitsTowards(const Normal3 &n, const Vector3 &w) const { return emission_->twoSided || !(Dot(n, w) < 0); }
 
     /// Emission scale. If a power is given, every primitive has it.
-    Float Scale(const ShapePrimitive &at) const { return emission_->power > 0 ? ScaleForPower(at) : emission_->scale; }
-    Float ScaleForPower(const ShapePrimitive &at) const {
+    Float Scale(const ShapePrimitive &at) const {
+        if (!(emission_->power > 0)) return emission_->scale;
         const Float area = at.shape->Area(at.primitive);
         const double emitted =
             double(emission_->luminance) * double(area) * std::numbers::pi * (emission_->twoSided ? 2 : 1);

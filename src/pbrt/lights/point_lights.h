@@ -103,7 +103,7 @@ class SpotLight final : public LightAtPoint<SpotLight> {
         if (u.x < cut || !(outer > 0)) {
             cosine = Lerp(cut > 0 ? u.x / cut : u.x, Float(1), cosStart_);
         } else {
-            // The cubic p of FalloffAt has the distribution function 2 h^3 - h^4, inverted by bisection.
+            // The cubic p of Falloff has the distribution function 2 h^3 - h^4, inverted by bisection.
             const Float share = (u.x - cut) / (1 - cut);
             Float low = 0, high = 1;
             for (int i = 0; i < 24; ++i) {
@@ -141,17 +141,14 @@ class SpotLight final : public LightAtPoint<SpotLight> {
     }
     /// Fraction of the axis intensity along w (render space, any length).
     Float Falloff(const Vector3 &w) const {
-        return FalloffAt(Dot(Normalize(renderFromLight_.InverseVector(w)), axis_));
-    }
-
-  private:
-    Float FalloffAt(Float cosine) const {
-        const Float width = cosStart_ - cosEnd_;
+        const Float cosine = Dot(Normalize(renderFromLight_.InverseVector(w)), axis_), width = cosStart_ - cosEnd_;
         if (width == 0) return cosine >= cosEnd_ ? Float(1) : Float(0);
         // The cubic p with p(0) = 0, p(1) = 1 and p'(0) = p'(1) = 0 is 3 h^2 - 2 h^3.
         const Float h = std::clamp((cosine - cosEnd_) / width, Float(0), Float(1));
         return (3 - 2 * h) * Sqr(h);
     }
+
+  private:
     Transform renderFromLight_;
     Vector3 axis_;
     std::shared_ptr<const DenseSpectrum> intensity_;

@@ -26,7 +26,8 @@ ExhaustiveLightSampler::ExhaustiveLightSampler(const LightGroups &groups)
     packets_[packet].Importances(query.p, query.n, out);
 }
 
-void ExhaustiveLightSampler::AddUp(const LightQuery &query, Sums *sums) const {
+const void *ExhaustiveLightSampler::WeighGroups(const LightQuery &query, LightMemory &memory) const {
+    auto *sums = memory.Make<Sums>();
     sums->total = 0;
     for (size_t block = 0, i = 0; i < packets_.size(); ++block) {
         double sum = 0;
@@ -38,11 +39,6 @@ void ExhaustiveLightSampler::AddUp(const LightQuery &query, Sums *sums) const {
         sums->block[block] = sum;
         sums->total += sum;
     }
-}
-
-const void *ExhaustiveLightSampler::WeighGroups(const LightQuery &query, LightMemory &memory) const {
-    auto *sums = memory.Make<Sums>();
-    AddUp(query, sums);
     return sums;
 }
 
@@ -70,8 +66,7 @@ std::optional<GroupLightSampler::ChosenGroup> ExhaustiveLightSampler::ChooseGrou
                                                },
                                                block.before);
     if (!chosen) return {};
-    const Float weight = chosen.weight;
-    Float pmf = infinite_.Pmf() * Float(double(weight) / sums.total);
+    const Float pmf = infinite_.Pmf() * Float(double(chosen.weight) / sums.total);
     if (!(pmf > 0)) return {};
     return ChosenGroup{lights_[first * kLanes + chosen.index], pmf, InnerNumber(query, u)};
 }

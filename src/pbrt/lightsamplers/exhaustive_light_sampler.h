@@ -24,7 +24,6 @@ class ExhaustiveLightSampler final : public GroupLightSampler {
         /// Importances in the last packet of each block; all lights if a block is one packet.
         Float lane[kBlocks][kLanes];
     };
-    void AddUp(const LightQuery &query, Sums *sums) const;
     void Importances(size_t packet, const LightQuery &query, Float *out) const;
     /// Importances in a packet: from `sums` if stored there, else recomputed into `scratch`.
     const Float *Lanes(size_t packet, const LightQuery &query, const Sums &sums, Float *scratch) const {

@@ -69,12 +69,6 @@ Quad Between(Float t, const Quad &a, const Quad &b) {
     return r;
 }
 
-/// Index of the largest component; the last of equal ones.
-size_t LargestComponent(const Rgb &rgb) {
-    size_t largest = rgb.y >= rgb.x ? 1 : 0;
-    return rgb.z >= std::max(rgb.x, rgb.y) ? 2 : largest;
-}
-
 /// Smallest divisor: below it quotients overflow, or are 0 / 0 where denormals count as 0.
 constexpr Float kTiny = std::numeric_limits<Float>::min();
 
@@ -127,7 +121,8 @@ ColorSpace::ColorSpace(std::string name, Point2 r, Point2 g, Point2 b, SpectrumP
 
 SigmoidPolynomial ColorSpace::ToPolynomial(const Rgb &rgb) const {
     const Rgb color = Bounded(rgb, 1);
-    const size_t slab = LargestComponent(color);
+    // Of the largest component; of equal ones, the last.
+    const size_t slab = color.z >= std::max(color.x, color.y) ? 2 : color.y >= color.x ? 1 : 0;
     const Float largest = color[int(slab)];
     const Float next = color[int((slab + 1) % 3)], afterNext = color[int((slab + 2) % 3)];
     // A grey g has the flat spectrum s(0, 0, c2) = g; c2 is infinite for black and white.

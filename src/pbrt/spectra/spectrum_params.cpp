@@ -84,23 +84,19 @@ SpectrumPtr FromSpectrum(const Param &p, SpectrumUse use, const FileResolver &fi
     return FromSamples(samples, use, path, p.loc);
 }
 
-SpectrumPtr FromParam(const Param &p, SpectrumUse use, const FileResolver &files) {
-    switch (p.type) {
-        case ParamType::Rgb: return FromRgb(p, use);
-        case ParamType::Blackbody: return FromBlackbody(p);
-        case ParamType::Float:
-            RequireCount(p, p.floats.size(), 1);
-            return std::make_shared<ConstantSpectrum>(p.floats[0]);
-        default: return FromSpectrum(p, use, files);
-    }
-}
-
 }  // namespace
 
 SpectrumPtr SpectrumParam::Make(const FileResolver &files) const {
-    if (given) return FromParam(*given, use, files);
-    if (named) return NamedSpectrum(named);
-    return constant ? std::make_shared<ConstantSpectrum>(*constant) : nullptr;
+    if (!given && named) return NamedSpectrum(named);
+    if (!given) return constant ? std::make_shared<ConstantSpectrum>(*constant) : nullptr;
+    switch (given->type) {
+        case ParamType::Rgb: return FromRgb(*given, use);
+        case ParamType::Blackbody: return FromBlackbody(*given);
+        case ParamType::Float:
+            RequireCount(*given, given->floats.size(), 1);
+            return std::make_shared<ConstantSpectrum>(given->floats[0]);
+        default: return FromSpectrum(*given, use, files);
+    }
 }
 
 /// The entity's own parameter overrides Attribute defaults, whose last applies. Own ones of two types are an error.

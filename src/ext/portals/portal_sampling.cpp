@@ -15,16 +15,14 @@
 namespace ext {
 namespace {
 
-constexpr uint64_t kStream = 0x77696e646f77;
+constexpr uint64_t kStream = 0x77696e646f77, kRayStream = 0x736b79;
 /// Above this fraction of environment rays that leave the scene, no portals are searched: outdoors, there are none.
 constexpr double kMaxSeen = 0.3;
 constexpr size_t kSearchVertices = 4096;  ///< maximum number of prepass vertices for detection
 
-constexpr uint64_t kRayStream = 0x736b79;
 /// With few vertices, up to kMaxPerVertex rays per vertex and light are traced to reach kSearchRays.
 constexpr size_t kSearchRays = 16384, kMaxPerVertex = 4 * PortalSampling::kRaysPerLight;
-/// Vertices and rays that tell whether the scene is outdoors.
-constexpr size_t kFewVertices = kSearchVertices / 16, kFewRays = kSearchRays / 4;
+constexpr size_t kFewVertices = kSearchVertices / 16, kFewRays = kSearchRays / 4;  ///< for a test of outdoors
 constexpr size_t kMaxDraws = 16;  ///< maximum draws per ray; accepted with probability equal to the cosine
 
 /// Unit of G over that of the mean radiance.

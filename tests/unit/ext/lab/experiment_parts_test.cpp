@@ -1,4 +1,6 @@
 #include "experiment_fixture.h"
+
+#include "ext/lab/reference.h"
 #include "pbrt/build/light_sampler_spec.h"
 #include "pbrt/scenefile/content_hash.h"
 #include "support/test_clock.h"

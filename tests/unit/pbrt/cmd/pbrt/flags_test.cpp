@@ -166,7 +166,7 @@ TEST_F(Flags, HelpNamesOnlySamplersOfThisBuild) {
         return std::regex_search(help, std::regex(fmt::format("\\b{}\\b", word)));
     };
     for (const char *name : {"octree", "spatial", "neepp", "oracle", "seen"})
-        if (!Has(LightSamplerListing(), fmt::format("\n{}\n", name))) EXPECT_FALSE(names(name)) << name;
+        EXPECT_TRUE(Has(LightSamplerListing(), fmt::format("\n{}\n", name)) || !names(name)) << name;
     EXPECT_EQ(names("seen"), HasExt());
     EXPECT_TRUE(names("uniform"));
 }

@@ -64,11 +64,6 @@ bool IsDiagonal(const Transform &t) {
     return true;
 }
 
-bool IsTracedInDouble(const Shape &shape) {
-    const auto *mesh = dynamic_cast<const Mesh *>(&shape);
-    return mesh && mesh->IsTracedInDouble();
-}
-
 /// True if every patch can be an Embree quad: flat, with the same (u, v).
 bool AllParallelograms(const BilinearMesh &mesh) {
     for (uint32_t i = 0; i < mesh.PrimitiveCount(); ++i)
@@ -182,11 +177,10 @@ struct Accel::Impl {
         const ShadowCallbacks shadows =
             CallbacksFor(passing == shadowless.end() ? ShadowRays::Blocked : passing->second, geometry->alpha);
         RTCGeometry g = nullptr;
-        const bool isNative = !IsTracedInDouble(shape);
-        if (isNative && shape.Kind() == ShapeKind::TriangleMesh) {
+        if (shape.Kind() == ShapeKind::TriangleMesh) {
             g = NewTriangles(static_cast<const TriangleMesh &>(shape));
             geometry->hitsOnce = true;
-        } else if (isNative && shape.Kind() == ShapeKind::BilinearMesh &&
+        } else if (shape.Kind() == ShapeKind::BilinearMesh &&
                    AllParallelograms(static_cast<const BilinearMesh &>(shape))) {
             g = NewQuads(static_cast<const BilinearMesh &>(shape));
             geometry->hitsOnce = true;

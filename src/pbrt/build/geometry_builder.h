@@ -1,5 +1,4 @@
 #pragma once
-#include <algorithm>
 #include <map>
 #include <vector>
 
@@ -13,7 +12,6 @@
 #include "pbrt/shapes/curves.h"
 #include "pbrt/shapes/extent.h"
 #include "pbrt/shapes/shape_factory.h"
-#include "pbrt/shapes/triangle_mesh.h"
 
 namespace pbrt {
 
@@ -97,7 +95,6 @@ class GeometryBuilder {
         });
         CenterDefinitions();
         MergeCurves();
-        TraceLargePlanesInDouble();
         std::vector<Definition> definitions(description_.objects.size());
         for (Work &w : work_) {
             sink_.Add(w.sink);
@@ -234,29 +231,6 @@ class GeometryBuilder {
             }
             previous = &w;
         }
-    }
-    /// Embree's test of a tilted plane errs by a part of the plane's size. Meshes for which that is a notable part of
-    /// the median shape's size are traced in double precision: floors of 10,000 times that size.
-    void TraceLargePlanesInDouble() {
-        constexpr Float kNotable = 1.f / 256;
-        constexpr uint32_t kMaxPrimitives = 64;  ///< as this takes longer
-        std::vector<Float> sizes;
-        std::vector<Mesh *> meshes;
-        for (const Work &w : work_) {
-            if (w.object >= 0 || w.motion) continue;
-            for (const std::unique_ptr<Shape> &shape : w.shapes) {
-                const Bounds3 bounds = BoundsOf(*shape);
-                if (bounds.IsEmpty()) continue;
-                sizes.push_back(Length(bounds.high - bounds.low));
-                auto *mesh = dynamic_cast<Mesh *>(shape.get());
-                if (mesh && mesh->PrimitiveCount() <= kMaxPrimitives) meshes.push_back(mesh);
-            }
-        }
-        if (sizes.empty()) return;
-        const auto median = sizes.begin() + std::ptrdiff_t((sizes.size() - 1) / 2);
-        std::nth_element(sizes.begin(), median, sizes.end());
-        for (Mesh *mesh : meshes)
-            if (mesh->MaxPlaneTestError() > kNotable * *median) mesh->TraceInDouble();
     }
     /// Maker of the shape's area light; null if it does not emit.
     const AreaLightMaker *MakerFor(const ShapeEntity &e, bool isInterface, bool isInDefinition) {

@@ -73,13 +73,10 @@ bool IsNearlyRectangle(const Point3 &p00, const Point3 &p10, const Point3 &p01, 
 Point3 BilinearMesh::Corners::At(const Point2 &uv) const { return Bilerp(uv, p00, p10, p01, p11); }
 Vector3 BilinearMesh::Corners::DpDu(Float v) const { return Lerp(v, p10, p11) - Lerp(v, p00, p01); }
 Vector3 BilinearMesh::Corners::DpDv(Float u) const { return Lerp(u, p01, p11) - Lerp(u, p00, p10); }
-Vector3 BilinearMesh::Corners::TestError(const Point2 &uv, const Point3 &p, const Normal3 &n) const {
+Vector3 BilinearMesh::Corners::Error(const Point2 &uv, const Point3 &p, const Normal3 &n) const {
     // Embree tests parallelograms as two triangles.
     const Float test = uv.x + uv.y < 1 ? PlaneTestError(p00, p10, p01, p) : PlaneTestError(p11, p01, p10, p);
-    return test * Abs(n);
-}
-Vector3 BilinearMesh::Corners::Error(const Point2 &uv, const Point3 &p, const Normal3 &n) const {
-    return Gamma(6) * (Abs(p00) + Abs(p10) + Abs(p01) + Abs(p11)) + TestError(uv, p, n);
+    return Gamma(6) * (Abs(p00) + Abs(p10) + Abs(p01) + Abs(p11)) + test * Abs(n);
 }
 void BilinearMesh::Corners::AreaWeights(Float w[4]) const {
     for (int i = 0; i < 4; ++i) w[i] = Length(Cross(DpDu(Float(i >> 1)), DpDv(Float(i & 1))));
@@ -218,8 +215,6 @@ SurfacePoint BilinearMesh::SurfaceInInstance(uint32_t primitive, const Primitive
     if (const auto at = PatchHit::Nearest(c, ray.o, ray.d, 0, double(Infinity), double(hit.t), kLargePrimitiveSlack)) {
         using D = glm::dvec3;
         s.p = Point3(glm::mix(glm::mix(D(c.p00), D(c.p10), at->u), glm::mix(D(c.p01), D(c.p11), at->u), at->v));
-        s.pError = Gamma(2) * Abs(s.p);
-        s.pError += isTracedInDouble_ ? DoubleTestError(MaxComponent(span)) : c.TestError({at->u, at->v}, s.p, s.n);
     }
     return s;
 }

@@ -43,8 +43,6 @@ class BilinearMesh final : public Mesh {
         Point3 At(const Point2 &uv) const;
         Vector3 DpDu(Float v) const;
         Vector3 DpDv(Float u) const;
-        /// Of the plane in Embree's test for rays starting near p, of parameters uv and normal n.
-        Vector3 TestError(const Point2 &uv, const Point3 &p, const Normal3 &n) const;
         Vector3 Error(const Point2 &uv, const Point3 &p, const Normal3 &n) const;  ///< of p = At(uv)
         /// Lengths of the unnormalised normal at the corners: weights of the bilinear warp in SampleArea.
         void AreaWeights(Float w[4]) const;

@@ -59,16 +59,6 @@ bool Mesh::IsInPlane(uint32_t primitive, const Point3 &p, const Vector3 &pError)
     return n != D(0);
 }
 
-Float Mesh::MaxPlaneTestError() const {
-    Float error = 0;
-    for (size_t i = 0; i < mesh_.indices.size(); i += cornerCount_) {
-        const Point3 p0 = mesh_.p[mesh_.indices[i]], p1 = mesh_.p[mesh_.indices[i + 1]];
-        const Point3 p2 = mesh_.p[mesh_.indices[i + 2]];
-        error = std::max(error, PlaneTestError(p0, p1, p2, p0 + Max(Abs(p1 - p0), Abs(p2 - p0))));
-    }
-    return error;
-}
-
 TriangleMesh::TriangleMesh(MeshData data, const Transform &renderFromObject, bool reverseOrientation)
     : Mesh(ShapeKind::TriangleMesh, 3, std::move(data), renderFromObject, reverseOrientation) {
     for (uint32_t i = 0; i < PrimitiveCount(); ++i)
@@ -156,9 +146,6 @@ SurfacePoint TriangleMesh::SurfaceInInstance(uint32_t primitive, const Primitive
         const double b1 = std::clamp(at->b1, -slack, 1 + slack), b2 = std::clamp(at->b2, -slack, 1 + slack - b1);
         const glm::dvec3 p0(c.p0);
         s.p = Point3(p0 + b1 * (glm::dvec3(c.p1) - p0) + b2 * (glm::dvec3(c.p2) - p0));
-        s.pError = Gamma(2) * Abs(s.p);
-        s.pError += isTracedInDouble_ ? DoubleTestError(MaxComponent(SpanOf(c)))
-                                      : PlaneTestError(c.p0, c.p1, c.p2, s.p) * Abs(s.n);
     }
     return s;
 }

@@ -73,23 +73,14 @@ class Mesh : public Shape {
     virtual SurfacePoint SurfaceInInstance(uint32_t primitive, const PrimitiveHit &hit, const Ray &ray,
                                            const Vector3 &distance) const = 0;
     bool IsInPlane(uint32_t primitive, const Point3 &p, const Vector3 &pError) const final;
-    /// Largest PlaneTestError of a point of the mesh.
-    Float MaxPlaneTestError() const;
-    /// True if rays are traced by Intersect, in double precision, instead of Embree's own test.
-    bool IsTracedInDouble() const { return isTracedInDouble_; }
-    void TraceInDouble() { isTracedInDouble_ = true; }
 
   protected:
     static bool IsAtCorner(const PrimitiveHit &hit) { return hit.u == hit.v && (hit.u == 0 || hit.u == 1); }
     Mesh(ShapeKind kind, size_t cornerCount, MeshData data, const Transform &renderFromObject, bool reverseOrientation);
 
-    /// Error bound of the intersection in Intersect: of planes of edges and distances to `span`.
-    static Vector3 DoubleTestError(Float span) { return Vector3(0x1p-40f * span); }
-
     MeshData mesh_;
     size_t cornerCount_;  ///< per primitive
     bool flipNormal_;     ///< orientation flag XOR handedness
-    bool isTracedInDouble_ = false;
 };
 
 /// Triangles in rendering space. Embree uses the vertex and index buffers directly.

@@ -81,7 +81,7 @@ TEST(BuildScene, UnknownNamesAreErrorsAlsoWhereNothingIsBuiltFromThem) {
         EXPECT_EQ(outcome.diagnostics.size(), 1u) << message;
     }
     const Outcome valid =
-        Try(Text("Film 'gbuffer' Integrator 'function' Integrator 'path' 'float octree.budget' 0.1 "
+        Try(Text("Film 'gbuffer' Integrator 'function' Integrator 'path' 'string lightsampler' 'power' "
                  "Integrator 'path'",
                  std::string(kLamp) + "Attribute 'shape' 'float alpha' 1 'float radius' 2 Attribute 'light' 'float "
                                       "scale' 2 'bool twosided' true Attribute 'material' 'string type' 'diffuse' "

@@ -115,8 +115,7 @@ run_sanitized() { # run_sanitized KIND: runs the "NAME COMMAND" lines of standar
 # Addresses and undefined behaviour: the programs with every integrator and light sampler, every kind of file that they write
 # and read again, and all conformance scenes. `.ci/run asan` has all unit and contract tests.
 stage "Building with address and undefined-behaviour sanitizers (build/asan.log)"
-if bash .ci/build "$top/build/asan" -DPBRT_SANITIZE=address,undefined "-DCMAKE_CXX_FLAGS_SANITIZED=-O0 -DNDEBUG" \
-    -DPBRT_BENCH=OFF -DPBRT_UNITY=ON -- pbrt imgtool lightlab; then
+if bash .ci/build "$top/build/asan" -DPBRT_SANITIZE=address,undefined -DPBRT_BENCH=OFF -DPBRT_UNITY=ON -- pbrt imgtool lightlab; then
   stage "Running with address and undefined-behaviour sanitizers"
   run_sanitized asan <<COMMANDS
 programs bash tests/stress/programs_once.sh build/asan

@@ -8,7 +8,6 @@
 #include <tbb/task_arena.h>
 
 #include <algorithm>
-#include <new>
 #ifdef PBRT_THREAD_SANITIZER
 #include <sanitizer/tsan_interface.h>
 #endif
@@ -59,13 +58,7 @@ ThreadLimit::ThreadLimit(int n) {
     currentArena = &impl_->arena;
 }
 
-ThreadLimit::~ThreadLimit() {
-    currentArena = nullptr;
-    // Threads that end while the process ends would race with its global destructors and the leak check.
-    tbb::task_scheduler_handle threads{tbb::attach{}};
-    impl_.reset();
-    tbb::finalize(threads, std::nothrow);
-}
+ThreadLimit::~ThreadLimit() { currentArena = nullptr; }
 
 int ThreadCount() { return currentArena ? currentArena->max_concurrency() : tbb::this_task_arena::max_concurrency(); }
 

@@ -112,7 +112,7 @@ std::optional<References> MakeReferences(const ExperimentContext &context);
 std::string UserCacheFolder();  ///< $XDG_CACHE_HOME/pbrt_octree, else ~/.cache/pbrt_octree; empty if neither is set
 
 /// Reads R, G, B of the film's pixels from an image that may be larger; without parts and noise. Throws UserError if it
-/// does not cover the film, or says that it is of another scene, path depth or kind of light.
+/// does not cover the film, or its header names another scene, path depth or kind of light.
 Reference ReadReference(const std::string &path, const LabScene &scene);
 
 }  // namespace ext::lab

@@ -19,7 +19,7 @@ inline const Rgb Invalid(1, 0, 1);
 struct FalseColorStyle {
     enum class Scale {
         Ramp,    ///< `min` to `max`
-        Signed,  ///< -most to most
+        Signed,  ///< -max to max
         Id       ///< one unordered colour per number
     };
     Scale scale = Scale::Ramp;

@@ -49,7 +49,7 @@ class SphericalTriangleOf {
         // h = 1 - cos of the arc from b; its tangent has length sqrt(k (1 - k/4)) for squared chord k.
         const Vector cut = cutA * a_ + cutC * c_;
         const T v = T(u.y), k = Squared(cut - b_), h = v * k / 2;
-        const T along = std::sqrt(v * (1 - v * (k / 4)) / std::max(OneMinus(k / 4, cut, b_), kLeastCoversine));
+        const T along = std::sqrt(v * (1 - v * (k / 4)) / std::max(OneMinus(k / 4, cut, b_), kMinCoversine));
         return {along * cutA, std::max(T(0), 1 - h - along * (1 - k / 2)), along * cutC};
     }
     /// Inverts Sample at unit direction w with these weights, up to a common factor.
@@ -75,7 +75,7 @@ class SphericalTriangleOf {
 
   private:
     static constexpr bool kIsDouble = std::is_same_v<T, double>;
-    static constexpr T kLeastCoversine = kIsDouble ? T(1e-30) : T(MachineEpsilon);
+    static constexpr T kMinCoversine = kIsDouble ? T(1e-30) : T(MachineEpsilon);
     static T Squared(const Vector &v) { return glm::dot(v, v); }
     static Vector Product(const Vector &a, const Vector &b) {
         if constexpr (kIsDouble) return glm::cross(a, b);

@@ -86,7 +86,7 @@ TEST(Floors, MayBeTilted) {
             const std::string name = floor.name;
             if (name == "instance") continue;
             const std::vector<Image> small = RenderSeeds(TiltedFloorText(floor, 1e3, {integrator}), kRuns);
-            // At 1e5, Embree's test of a tilted plane errs so much that the floor loses 0.3 % under the ball.
+            // From 1e5 on, Embree's test of a tilted plane errs so much that the floor loses light under the ball.
             ExpectSame(fmt::format("{}, tilted, {}", floor.name, integrator),
                        RenderSeeds(TiltedFloorText(floor, name == "disk" ? 1e6 : 1e4, {integrator}), kRuns), small,
                        0.001);

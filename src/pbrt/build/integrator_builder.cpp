@@ -142,6 +142,18 @@ bool HasLightsBeyondScene(const LightTable &lights) {
     return false;
 }
 
+void WarnOfLostLightPaths(const BuiltScene &scene, const std::string &integrator, DiagnosticSink &sink) {
+    const IntegratorTraits traits = TraitsOf(integrator);
+    // bdpt and mlt have paths from the camera as well.
+    if (!traits.hasEmissionSampler || (traits.hasLightSampler && traits.connectsToCamera)) return;
+    if (const std::optional<LightId> far = scene.scene->Lights().FirstTooFarForLightPaths())
+        sink.Warning(
+            {},
+            "light paths from {} miss the scene, as it is too far away: with integrator \"{}\" the image lacks "
+            "what they would carry. A light \"distant\" has no such limit.",
+            scene.lightNames.NameOf(*far), integrator);
+}
+
 }  // namespace
 
 const IntegratorTable &Integrators() {
@@ -244,6 +256,7 @@ BuiltIntegrator MakeIntegrator(const BuiltScene &scene, const IntegratorSettings
                      "How much of their light arrives is not defined: integrator \"{}\" differs from "
                      "\"volpath\" there. Put a shape with material \"interface\" around the medium.",
                      settings.type);
+    WarnOfLostLightPaths(scene, settings.type, sink);
     BuiltIntegrator built;
     built.integratorName = settings.type;
     built.maxDepth = settings.maxDepth;

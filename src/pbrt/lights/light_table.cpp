@@ -56,17 +56,30 @@ void LightTable::Finish(const Point3 &sceneCenter, Float sceneRadius, const Boun
     byLight_ = std::make_unique<LightGroups>(*this, true);
 }
 
-Float LightTable::PowerTowardsReceivers(const LightCandidate &candidate) const {
-    if (!candidate.bounds || receivers_.IsEmpty()) return candidate.power;
+double LightTable::RadiiFromReceivers(const LightCandidate &candidate) const {
+    if (!candidate.bounds || receivers_.IsEmpty()) return 0;
     const LightBounds &light = *candidate.bounds;
     const double radius = glm::length(glm::dvec3(receivers_.Diagonal())) / 2;
     const double distance = glm::length(glm::dvec3(light.Centroid()) - glm::dvec3(receivers_.Center())) -
                             glm::length(glm::dvec3(light.bounds.Diagonal())) / 2;
-    constexpr double kNear = 2;  // radii
-    if (!(radius > 0 && distance > kNear * radius)) return candidate.power;
+    return radius > 0 ? distance / radius : 0;
+}
+
+std::optional<LightId> LightTable::FirstTooFarForLightPaths() const {
+    constexpr double kRadii = 0x1p20;  // here a direction's rounding is a sixteenth of the receivers' radius
+    for (uint32_t i = 0; i < Size(); ++i)
+        if (power_[i] > 0 && RadiiFromReceivers(Candidate(LightId(i))) > kRadii) return LightId(i);
+    return {};
+}
+
+Float LightTable::PowerTowardsReceivers(const LightCandidate &candidate) const {
+    const double radii = RadiiFromReceivers(candidate);
+    constexpr double kNear = 2;
+    if (!(radii > kNear)) return candidate.power;
+    const LightBounds &light = *candidate.bounds;
     // Fractions of the sphere that the receivers cover, relative to that at the distance kNear, and that is lit.
     auto fraction = [](double sine) { return sine * sine / (2 * (1 + std::sqrt(1 - sine * sine))); };
-    const double covered = fraction(radius / distance) / fraction(1 / kNear);
+    const double covered = fraction(1 / radii) / fraction(1 / kNear);
     const double edge = std::acos(std::clamp(double(light.cosTheta_o), -1.0, 1.0)) +
                         std::acos(std::clamp(double(light.cosTheta_e), -1.0, 1.0));
     const double lit = edge < std::numbers::pi ? (1 - std::cos(edge)) / 2 * (light.twoSided ? 2 : 1) : 1.0;

@@ -132,6 +132,9 @@ class LightTable {
     /// Power of a candidate for the start of light paths: less for lights far outside the receivers, whose light hardly
     /// meets them. Positive if the power is; in its unit.
     Float PowerTowardsReceivers(const LightCandidate &candidate) const;
+    /// First component so far outside the receivers that directions in single precision do not meet them: light paths
+    /// that begin at it are lost.
+    std::optional<LightId> FirstTooFarForLightPaths() const;
     /// Unit of candidate powers (as Light::Phi): the geometric mean of minimum and maximum component power over the
     /// scene radius. So powers, and powers over squared distances, neither overflow nor underflow in single precision.
     /// A power of two: division by it is exact.
@@ -141,6 +144,10 @@ class LightTable {
     const LightGroups &ByLight() const { return *byLight_; }
 
   private:
+    /// Distance of a light's bounding sphere from the receivers' centre, over the radius of the receivers' bounding
+    /// sphere; 0 if unknown.
+    double RadiiFromReceivers(const LightCandidate &candidate) const;
+
     struct Entry {
         std::unique_ptr<Light> light;
         uint32_t first = 0;

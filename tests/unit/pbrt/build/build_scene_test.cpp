@@ -187,6 +187,19 @@ TEST(BuildScene, NoLightIsAWarning) {
     EXPECT_EQ(Try(Text("", std::string(kBall) + kLamp)).Count("no lights"), 0);
 }
 
+TEST(BuildScene, LightTooFarForLightPathsIsAWarningWhereNothingElseFindsIt) {
+    const std::string sun =
+        "AttributeBegin AreaLightSource 'diffuse' Translate 0 0 1.5e11 Shape 'sphere' 'float radius' 7e8 AttributeEnd\n";
+    for (const char *integrator : {"lightpath", "sppm"}) {
+        const std::string head = "Integrator '" + std::string(integrator) + "'\n";
+        EXPECT_EQ(Try(Text(head, kBall + sun)).Count("too far away"), 1) << integrator;
+        EXPECT_EQ(Try(Text(head, std::string(kBall) + kLamp)).Count("too far away"), 0) << integrator;
+    }
+    for (const char *integrator : {"path", "bdpt", "mlt"})
+        EXPECT_EQ(Try(Text("Integrator '" + std::string(integrator) + "'\n", kBall + sun)).Count("too far away"), 0)
+            << integrator;
+}
+
 TEST(BuildScene, TheNameOfTheImageHasASuffixIfPartsAreLeftOut) {
     const std::string medium = "MakeNamedMedium 'fog' 'string type' 'homogeneous'\n";
     const std::string text = SceneText().Head("Film 'rgb' 'string filename' 'a/b.exr'").Head(medium).World(kLamp);

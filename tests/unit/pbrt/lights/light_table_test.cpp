@@ -85,11 +85,13 @@ TEST(LightTable, PowerTowardsReceiversIsThatOfNearLightsAndOfWhatMeetsThem) {
                          double(table.PowerTowardsReceivers(table.Candidate(lamp)));
     EXPECT_GT(ratio, 1);
     EXPECT_LT(ratio, 100);
+    EXPECT_EQ(table.FirstTooFarForLightPaths(), sun);
     LightTable unknown;
     unknown.Add(Make("point", Params().Floats(ParamType::Point3, "from", {1e6f, 0, 0})));
     unknown.Finish({0, 0, 0}, 2);
     const LightCandidate c = unknown.Candidate(LightId(0u));
     EXPECT_EQ(unknown.PowerTowardsReceivers(c), c.power);
+    EXPECT_EQ(unknown.FirstTooFarForLightPaths(), std::nullopt);
 }
 
 /// A line of 2 nm.

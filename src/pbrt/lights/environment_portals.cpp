@@ -8,7 +8,8 @@
 namespace pbrt {
 namespace {
 
-constexpr int kMinSide = 128, kMaxSide = 512;
+/// Pixels per side: the tables of a map fit the second-level cache. Larger ones cost more time than they save noise.
+constexpr int kSide = 128;
 /// A pixel is subdivided if it may hold this share of the whole map, and the brightest point in or beside it exceeds
 /// its mean by this contrast.
 constexpr double kDividedShare = 1e-4;
@@ -46,14 +47,13 @@ CellRadiance EvaluateMapCell(const EnvironmentLight &light, const Frame &frame, 
 
 PortalMap PortalMap::Integrate(const EnvironmentLight &light, const Frame &frame) {
     PortalMap map;
-    map.n_ = std::clamp(light.Resolution(), kMinSide, kMaxSide);
-    const auto n = size_t(map.n_);
+    const auto n = size_t(kSide);
     const Float width = 1 / Float(n);
     const auto corner = [&](size_t i) { return Point2(i % n, i / n) * width; };
     // At equal resolution, map pixels are at most about as wide as image pixels.
-    const int across = std::max(2, (light.Resolution() + map.n_ - 1) / map.n_) + 1;
+    const int across = std::max(2, (light.Resolution() + kSide - 1) / kSide) + 1;
     std::vector<CellRadiance> cells(n * n);
-    ParallelFor(map.n_, 8, [&](int64_t begin, int64_t end) {
+    ParallelFor(kSide, 8, [&](int64_t begin, int64_t end) {
         for (size_t i = size_t(begin) * n; i < size_t(end) * n; ++i)
             cells[i] = EvaluateMapCell(light, frame, corner(i), width, across, 0);
     });
@@ -90,7 +90,7 @@ PortalMap PortalMap::Integrate(const EnvironmentLight &light, const Frame &frame
             weights[divided[d]] = Float(total / (kDetail * kDetail));
         }
     });
-    map.pixels_ = WindowedPiecewiseConstant2D(weights, map.n_, map.n_);
+    map.pixels_ = WindowedPiecewiseConstant2D(weights, kSide, kSide);
     return map;
 }
 
@@ -108,9 +108,9 @@ Float PortalMap::DividedPixel::Sum() const {
 
 std::optional<PortalMap::DividedPixel> PortalMap::DividedPixelAt(const Point2 &st, const Bounds2 &window,
                                                                  Point2 *pixel) const {
-    const auto n = Float(n_);
-    const Point2i at = glm::clamp(Point2i(st * n), Point2i(0), Point2i(n_ - 1));
-    const uint32_t detail = detailOf_[size_t(at.y) * n_ + at.x];
+    const auto n = Float(kSide);
+    const Point2i at = glm::clamp(Point2i(st * n), Point2i(0), Point2i(kSide - 1));
+    const uint32_t detail = detailOf_[size_t(at.y) * kSide + at.x];
     if (detail == 0) return {};
     *pixel = Point2(at);
     const auto inParts = [&](const Point2 &p) {
@@ -129,7 +129,7 @@ std::optional<PortalMap::Sample> PortalMap::Draw(const Point2 &u, const Bounds2 
     if (!part) return s;
     // The position within the pixel is uniform and selects the subpixel.
     const Vector2 extent = part->window.high - part->window.low;
-    const Point2 in = (*st * Float(n_) - pixel) * Float(kDetail);
+    const Point2 in = (*st * Float(kSide) - pixel) * Float(kDetail);
     const Point2 v = glm::clamp((in - part->window.low) / extent, Point2(0), Point2(OneMinusEpsilon));
     const auto choose = [&](Float target, int axis, auto &&weightOf, Float *place) {
         int chosen = -1;
@@ -154,7 +154,7 @@ std::optional<PortalMap::Sample> PortalMap::Draw(const Point2 &u, const Bounds2 
     const int y = choose(v.y * part->OfColumn(x) / part->Overlap(x, 0), 1, inColumn, &at.y);
     if (y < 0) return {};
     s.pdf *= extent.x * extent.y * (*part->detail)[y * kDetail + x] / sum;
-    s.st = glm::clamp((pixel + at / Float(kDetail)) / Float(n_), window.low, window.high);
+    s.st = glm::clamp((pixel + at / Float(kDetail)) / Float(kSide), window.low, window.high);
     return s.pdf > 0 ? std::optional(s) : std::nullopt;
 }
 
@@ -163,7 +163,7 @@ Float PortalMap::Pdf(const Point2 &st, const Bounds2 &window) const {
     Point2 pixel;
     const std::optional<DividedPixel> part = pdf > 0 ? DividedPixelAt(st, window, &pixel) : std::nullopt;
     if (!part) return pdf;
-    const Point2 in = (st * Float(n_) - pixel) * Float(kDetail);
+    const Point2 in = (st * Float(kSide) - pixel) * Float(kDetail);
     const Point2i at = glm::clamp(Point2i(in), Point2i(0), Point2i(kDetail - 1));
     const Vector2 extent = part->window.high - part->window.low;
     const Float sum = part->Sum();

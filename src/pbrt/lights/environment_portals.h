@@ -20,7 +20,7 @@ namespace pbrt {
 /// pixels are subdivided once: the rim of a sun would be noisy otherwise.
 class PortalMap {
   public:
-    /// Integrates the light's mean radiance over the map's pixels, at 128 to 512 a side, on all threads.
+    /// Integrates the light's mean radiance over the map's 128 x 128 pixels, on all threads.
     static PortalMap Integrate(const EnvironmentLight &light, const Frame &frame);
 
     static Float FromSlope(Float a) { return Float(0.5) + Float(0.5) * a / (1 + std::abs(a)); }
@@ -73,7 +73,6 @@ class PortalMap {
     /// Empty if the pixel is not subdivided. *pixel: its position.
     std::optional<DividedPixel> DividedPixelAt(const Point2 &st, const Bounds2 &window, Point2 *pixel) const;
 
-    int n_ = 0;
     WindowedPiecewiseConstant2D pixels_;
     std::vector<uint32_t> detailOf_;  ///< per pixel: index in details_ + 1; 0: none
     std::vector<Detail> details_;

@@ -75,7 +75,8 @@ void LearnedVisibilityLightSampler::TryPortals(PrepareContext &context, std::spa
     };
     const std::vector<TrialPixel> with = TraceTrial(context);
     use(false);
-    if (portals_.EndTrial(CompareTrials(with, TraceTrial(context), portals_.CostPerVertex()))) use(true);
+    const double cost = portals_.CostPerVertex(context.scene);
+    if (portals_.EndTrial(CompareTrials(with, TraceTrial(context), cost))) use(true);
 }
 
 void LearnedVisibilityLightSampler::SaveLearned(StateWriter &writer, bool withLearning) const {

@@ -46,7 +46,8 @@ class PortalSampling {
     /// Takes the trial of portals relative to whole lights, and discards the portals unless they pay. Returns whether
     /// they do; they are still inactive.
     bool EndTrial(const TrialRatio &result);
-    double CostPerVertex() const;  ///< cost of active portals per path vertex (CompareTrials)
+    /// Cost of active portals per path vertex of the scene, in the unit of CompareTrials.
+    double CostPerVertex(const Scene &scene) const;
 
     bool IsActive() const { return isActive_; }
     size_t Count() const { return IsActive() ? environments_.size() : 0; }  ///< number of lights with portals

@@ -132,7 +132,8 @@ Verdict Compare(const Record &record, const std::vector<double> &a, const std::v
         double error = std::sqrt(errorOfMean[k]) / magnitude[k];
         v.means[k] = relative;
         if (std::abs(relative) > std::abs(v.mean)) v.mean = relative;
-        if (std::abs(relative) > 0.01) fail(fmt::format("mean of channel {} off by {:.2f} %", k, 100 * relative));
+        if (std::abs(relative) > (record.compare == "loose" ? 0.009 : 0.01))
+            fail(fmt::format("mean of channel {} off by {:.2f} %", k, 100 * relative));
         else if (record.compare != "loose" && std::abs(relative) > std::max(4 * error, 0.003))
             fail(fmt::format("mean of channel {} off by {:.2f} % (noise {:.2f} %)", k, 100 * relative, 100 * error));
     }
@@ -142,7 +143,7 @@ Verdict Compare(const Record &record, const std::vector<double> &a, const std::v
             fail(fmt::format("{} of {} tile means beyond 4 sigma", beyond4, n));
         if (v.worstZ > 12) fail(fmt::format("a tile at {:.1f} sigma", v.worstZ));
         if (v.difference > 2 * v.noise + 0.001) fail("tile differences exceed twice the noise");
-    } else if (v.difference > 2.5 * v.noise + 0.02) {
+    } else if (v.difference > 2 * v.noise + 0.02) {
         fail("tile differences exceed the noise");
     }
     return v;
@@ -238,7 +239,9 @@ int main(int argc, char **argv) {
             // Scenes with a fixed sample count keep it; texture footprints stop shrinking at 64 samples, and the blur
             // of photons depends on the number of iterations.
             bool fixed = r.compare == "mean" || r.name == "imagemap_filters" || r.name == "sppm";
-            int spp = fixed ? r.spp : std::max(64, static_cast<int>(r.spp * scale));
+            // Of mlt the reference has most of the noise.
+            const double share = r.name == "mlt" ? scale / 3 : scale;
+            int spp = fixed ? r.spp : std::max(64, static_cast<int>(r.spp * share));
             request.build.samplesPerPixel = spp;
             request.build.seed = 100;
             Rendered one = RenderScene(request);

@@ -17,6 +17,7 @@ struct GuideRoom {
     std::string parameters{};  ///< of the integrator
     bool fog = false;          ///< the room is full of it, and the integrator is volpath
     bool window = false;       ///< the back wall has a hole
+    int size = 48;             ///< of the film, in pixels
 };
 std::string GuideRoomText(const GuideRoom &room);
 

@@ -22,7 +22,8 @@ BuiltScene Spot(bool guide, const std::string &sampler = "bvh", bool fog = false
     return BuildText(GuideRoomText(
         {.light = kSpotAtCeiling,
          .parameters = "'string lightsampler' '" + sampler + "' 'bool guide' " + (guide ? "true" : "false"),
-         .fog = fog}));
+         .fog = fog,
+         .size = 32}));  // bits are compared, not means
 }
 
 TEST(GuidedPaths, AreGuidedWhereLightComesFromOnePlace) {

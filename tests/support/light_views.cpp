@@ -16,8 +16,7 @@ namespace pbrt::test {
 namespace {
 
 constexpr int kTile = 4;
-constexpr int kSeeds = 8;
-/// Of the difference of a tile; 5.5 standard errors with two equal variances.
+/// Of the difference of a tile.
 constexpr double kMinChance = 7e-5;
 
 }  // namespace
@@ -40,7 +39,8 @@ std::string Scene(const View &v, const std::string &integrator, int seed, int sa
         .Head(v.camera)
         .Filter(v.filter)
         .Film(kViewSize, kViewSize, "'bool savefp16' false " + v.film, v.filmType)
-        .Samples(samples, fmt::format("'integer seed' {}", seed))
+        // Its pixels are independent as well, and their variance is a quarter for most views.
+        .Head(fmt::format("Sampler 'paddedsobol' 'integer pixelsamples' {} 'integer seed' {}", samples, seed))
         .Integrator(integrator, v.depth, parameters)
         .World(Objects()
                    .Diffuse(".6 .5 .4")
@@ -57,11 +57,11 @@ Image RenderView(const View &v, const std::string &integrator, int seed, int sam
 
 namespace {
 
-/// Statistics of the tiles' means over kSeeds renders.
-std::vector<RunningStatistics> TileStatistics(const View &v, const std::string &integrator, int firstSeed,
+/// Statistics of the tiles' means over some renders.
+std::vector<RunningStatistics> TileStatistics(const View &v, const std::string &integrator, int firstSeed, int renders,
                                               int samples) {
     std::vector<RunningStatistics> tiles;
-    for (int seed = firstSeed; seed < firstSeed + kSeeds; ++seed) {
+    for (int seed = firstSeed; seed < firstSeed + renders; ++seed) {
         const std::vector<double> means = TileMeans(RenderView(v, integrator, seed, samples), kTile);
         tiles.resize(means.size());
         for (size_t i = 0; i < means.size(); ++i) tiles[i].Add(means[i]);
@@ -69,33 +69,34 @@ std::vector<RunningStatistics> TileStatistics(const View &v, const std::string &
     return tiles;
 }
 
-/// Those of the reference, rendered once in this process for all integrators with as many samples.
+/// Those of the reference, rendered once in this process for all integrators that need as many samples of it.
 const std::vector<RunningStatistics> &ReferenceStatistics(const View &v) {
     constexpr int kFirstSeed = 101;
     static std::map<std::string, std::vector<RunningStatistics>> references;
-    auto [it, isNew] = references.try_emplace(Scene(v, v.reference, kFirstSeed, v.samples));
-    if (isNew) it->second = TileStatistics(v, v.reference, kFirstSeed, v.samples);
+    auto [it, isNew] = references.try_emplace(Scene(v, v.reference, kFirstSeed, v.referenceSamples));
+    if (isNew) it->second = TileStatistics(v, v.reference, kFirstSeed, kRenders, v.referenceSamples);
     return it->second;
 }
 
 }  // namespace
 
-void CheckMean(const View &v, const std::string &integrator, double maxNoise, double allowed) {
-    const std::vector<RunningStatistics> ours = TileStatistics(v, integrator, 1, v.samples),
+void CheckMean(const View &v, const std::string &integrator, double maxBias, double allowed) {
+    const std::vector<RunningStatistics> ours = TileStatistics(v, integrator, 1, v.renders, v.samples),
                                          &path = ReferenceStatistics(v);
     ASSERT_EQ(ours.size(), path.size());
-    double least = 1, all = 0, error = 0;
+    double least = 1, all = 0, bias = 0;
     for (const RunningStatistics &p : path) all += p.mean;
     const double without = allowed * all / double(path.size());
     for (size_t i = 0; i < ours.size(); ++i) {
         // Welch's test, as the variances differ.
         const double a = Sqr(ours[i].StandardError()), b = Sqr(path[i].StandardError()), e = std::sqrt(a + b);
         const double t = (std::abs(ours[i].mean - path[i].mean) - without) / e;
-        if (t > 0) least = std::min(least, StudentTwoSidedP(t, Sqr(a + b) * (kSeeds - 1) / (Sqr(a) + Sqr(b))));
-        error += e;
+        const double dof = Sqr(a + b) / (Sqr(a) / (v.renders - 1) + Sqr(b) / (kRenders - 1));
+        if (t > 0) least = std::min(least, StudentTwoSidedP(t, dof));
+        if (e > 0) bias += StudentCritical(kMinChance, dof) * e;
     }
     EXPECT_GT(least, kMinChance) << v.name << " " << v.parameters;
-    EXPECT_LT(error / all, maxNoise) << v.name << " " << v.parameters << ": the test would see nothing";
+    EXPECT_LT(bias / all, maxBias) << v.name << " " << v.parameters << ": the test would see nothing";
 }
 
 void CheckThreads(const View &v, const std::string &integrator, int samples) {
@@ -118,7 +119,7 @@ void CheckLightSamplers(View v, const std::string &integrator, const std::vector
             continue;  // a build without extensions
         }
         ++tested;
-        CheckMean(v, integrator, 0.08, allowed);
+        CheckMean(v, integrator, 0.44, allowed);
     }
     EXPECT_GE(tested, 2);
 }
@@ -149,11 +150,13 @@ const std::vector<View> &AllViews() {
         {.name = "SphericalEqualArea",
          .camera = "Translate 0 -2.6 -.2 Camera 'spherical'",
          .filter = "gaussian",
-         .objects = kLamp + kBall},
+         .objects = kLamp + kBall,
+         .referenceSamples = 96},  // few of the filter's points reach the lamp from dark tiles
         {.name = "SphericalEquirectangular",
          .camera = "Translate 0 -2.6 -.2 Camera 'spherical' 'string mapping' 'equirectangular'",
          .filter = "gaussian",
-         .objects = kLamp + kBall},
+         .objects = kLamp + kBall,
+         .referenceSamples = 96},
         {.name = "GaussianFilter", .filter = "gaussian", .objects = kLamp + kBall},
         {.name = "Crop", .film = "'float cropwindow' [ .25 .75 .5 1 ]", .objects = kLamp + kBall},
         {.name = "PointSpotAndDistant",
@@ -161,7 +164,8 @@ const std::vector<View> &AllViews() {
                         .PointLight("1 -1 1.5", "1 2 3")
                         .Light("spot", "'point3 from' [ -1 -1 2 ] 'point3 to' [ 0 0 0 ] 'rgb I' [ 6 5 4 ]")
                         .Light("distant", "'point3 from' [ 1 -2 3 ] 'rgb L' [ .3 .3 .3 ]")
-                        .Add(kBall)},
+                        .Add(kBall),
+         .samples = 28},
         {.name = "RoughMetal", .objects = kLamp + "Material 'conductor' 'float roughness' .5\n" + kBall},
         {.name = "Coat", .objects = kLamp + "Material 'coateddiffuse' 'float roughness' .3\n" + kBall},
         {.name = "RoughGlass", .objects = Hidden("'dielectric' 'float roughness' .4")},
@@ -219,7 +223,11 @@ const std::vector<View> &FoggyViews() {
     static const std::vector<View> views = [] {
         const std::string chromatic = Medium("m", "'homogeneous' 'rgb sigma_s' [ 12 5 2 ] 'rgb sigma_a' [ .1 .4 1 ]");
         std::vector<View> all = {
-            {.name = "FogAndSpot", .objects = kSpot + kBall, .isForLightPath = false, .media = kThinFog + kInFog},
+            {.name = "FogAndSpot",
+             .objects = kSpot + kBall,
+             .referenceSamples = 96,  // few of them scatter near the spot
+             .isForLightPath = false,
+             .media = kThinFog + kInFog},
             {.name = "OrthographicInFog", .camera = kParallel, .objects = kLamp + kBall, .media = kColoredFog + kInFog},
             {.name = "ForwardScattering",
              .objects = kLamp,
@@ -228,7 +236,7 @@ const std::vector<View> &FoggyViews() {
                              "'homogeneous' 'rgb sigma_s' [ .4 .4 .4 ] 'rgb sigma_a' [ .03 .03 .03 ] "
                              "'float g' .8") +
                       kInFog},
-            {.name = "DenseAndColored", .objects = kLamp + BallOf(chromatic), .depth = 6},
+            {.name = "DenseAndColored", .objects = kLamp + BallOf(chromatic), .referenceSamples = 48, .depth = 6},
             {.name = "Grid", .objects = kLamp + BallOf(Grid("m", "'rgb sigma_s' [ 4 5 6 ] 'float g' .3")), .depth = 4},
             // The ball's medium reaches the lamp, which shines out of it; a point light shines there, too.
             {.name = "LightsInside",

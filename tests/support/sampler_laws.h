@@ -11,14 +11,17 @@
 /// must be called inside a test.
 namespace pbrt::test {
 
-/// A sampler that is ready for use, the places of queries, and its PMF at every place for every light.
+/// A sampler that is ready for use, the places of queries, and its PMF at every place for every light; and what it
+/// chooses there for stratified numbers: one in each of many equal parts of [0, 1).
 struct SamplerSubject {
     std::unique_ptr<LightSampler> sampler;
     std::span<const LightQuery> queries;
     const LightTable *table = nullptr;
     std::vector<LightId> ids;
-    std::vector<std::vector<Float>> pmf;  ///< by query, by index of `ids`
-    std::vector<double> sum;              ///< by query
+    std::vector<std::vector<Float>> pmf;   ///< by query, by index of `ids`
+    std::vector<double> sum;               ///< by query
+    int strata = 0;                        ///< stratified numbers per query
+    std::vector<std::vector<int>> chosen;  ///< how many of them choose a light, by query, by index of `ids`
 
     SamplerSubject() = default;
     SamplerSubject(std::unique_ptr<LightSampler> made, std::span<const LightQuery> places, const LightTable &lights);
@@ -45,7 +48,7 @@ void CheckFrequencies(const SamplerSubject &subject);
 /// Every light that contributes to a query has a positive PMF there. Returns the number of such pairs of query and
 /// light.
 size_t CheckContributingCanBeChosen(const SamplerSubject &subject, const Contributions &contributions);
-/// The mean of contribution / pmf over samples is the sum over all lights.
+/// The mean of contribution / pmf over stratified numbers is the sum over all lights.
 void CheckOneLightEstimator(const SamplerSubject &subject, const Contributions &contributions);
 /// A direction drawn from a sampled region leads back to the region, with the same pmf to the last bit and the same
 /// density. Returns the number of samples with a region.

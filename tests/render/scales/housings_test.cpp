@@ -59,7 +59,7 @@ const Part kHousings[] = {
 /// place of their length.
 void ExpectDarkHousings(const Placement &at) {
     for (const Part &light : kLights)
-        for (const ScaleIntegrator &integrator : AllIntegrators(at)) {
+        for (const ScaleIntegrator &integrator : AllIntegrators(at, 64)) {
             const auto mean = [&](const Objects &housing) {
                 return MeanOf(RenderSeeds(DistantFloorText(at, integrator, light.objects(at), housing), 1)[0]);
             };
@@ -80,7 +80,7 @@ TEST(Housings, AreDarkAtEveryScale) {
 
 /// A lid of 1 mm before a lens that looks at a lamp 100 units away.
 TEST(Housings, OfCamerasAreDark) {
-    for (const ScaleIntegrator &integrator : AllIntegrators({}))
+    for (const ScaleIntegrator &integrator : AllIntegrators({}, 64))
         for (const bool lid : {true, false}) {
             Objects world = Objects().PointLight("0 0 60", "1e4 1e4 1e4").Diffuse(".5 .5 .5");
             world.Quad("-90 -90 100  90 -90 100  -90 90 100  90 90 100");

@@ -26,14 +26,16 @@ std::string Placement::Points(std::initializer_list<double> coordinates) const {
 
 std::string Placement::Intensity(double I) const { return fmt::format("{0:.9g} {0:.9g} {0:.9g}", I * scale * scale); }
 
-std::vector<ScaleIntegrator> AllIntegrators(const Placement &at) {
-    return {{"path"},
-            {"volpath"},
-            {"simplepath"},
-            {"bdpt"},
-            {"lightpath", "", 4 * kScaleSamples},
-            {"mlt", "'integer mutationsperpixel' 64 'integer bootstrapsamples' 4000"},
-            {"sppm", "'integer photonsperiteration' 2000 'float radius' " + at.Length(0.1)}};
+std::vector<ScaleIntegrator> AllIntegrators(const Placement &at, int mutations) {
+    return {
+        {"path"},
+        {"volpath"},
+        {"simplepath"},
+        {"bdpt"},
+        {"lightpath", "", 4 * kScaleSamples},
+        {"mlt", fmt::format("'integer mutationsperpixel' {} 'integer bootstrapsamples' {}", mutations, 64 * mutations),
+         kScaleSamples, 12},
+        {"sppm", "'integer photonsperiteration' 2000 'float radius' " + at.Length(0.1)}};
 }
 
 std::string ViewText(const Placement &at, const ScaleIntegrator &integrator, std::initializer_list<double> fromToUp,

@@ -1,4 +1,5 @@
 #pragma once
+#include <algorithm>
 #include <array>
 #include <initializer_list>
 #include <string>
@@ -31,9 +32,12 @@ struct ScaleIntegrator {
     std::string name;
     std::string parameters{};
     int samples = kScaleSamples;
+    int minRuns = 0;  ///< of few samples each, where noise does not cancel: errors of more runs are better known
+
+    int Runs(int runs) const { return std::max(runs, minRuns); }
 };
-/// All that render direct and indirect light of area, point and infinite lights. `radius`: of sppm's photon search.
-std::vector<ScaleIntegrator> AllIntegrators(const Placement &at);
+/// All that render direct and indirect light of area, point and infinite lights. `mutations`: of mlt, per pixel.
+std::vector<ScaleIntegrator> AllIntegrators(const Placement &at, int mutations = 8);
 
 constexpr int kScaleResolution = 16, kScaleRuns = 5;
 /// Of the corners of a quad.

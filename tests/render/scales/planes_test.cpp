@@ -19,10 +19,10 @@ TEST(PointLights, InThePlaneOfAWallLightBothSides) {
     for (const Placement &at : {Placement{}, {.scale = 1e-6}, {.scale = 1e6}, {.scale = 1e3, .offset = {1e6, 0, 1e6}}})
         for (const ScaleIntegrator &integrator : AllIntegrators(at))
             for (const double side : {-1., 1.}) {
-                constexpr int kRuns = 4;
-                const std::vector<Image> without = RenderSeeds(BesideWallText(at, integrator, side, false), kRuns);
+                const int runs = integrator.Runs(4);
+                const std::vector<Image> without = RenderSeeds(BesideWallText(at, integrator, side, false), runs);
                 const ScaleDifference d =
-                    CompareRuns(RenderSeeds(BesideWallText(at, integrator, side, true), kRuns), without, 0.002);
+                    CompareRuns(RenderSeeds(BesideWallText(at, integrator, side, true), runs), without, 0.002);
                 EXPECT_GT(MeanOf(without[0]), 0.01) << integrator.name;
                 EXPECT_TRUE(d.Agrees()) << at.Name() << ", side " << side << ", " << integrator.name << ": "
                                         << d.Text();

@@ -218,8 +218,9 @@ TEST(VisibilityTree, BuildingStopsAtOnceAtEveryStep) {
     const ManyLights many;
     VisibilityBuildSettings settings = Settings(ManyLights::kLights);
     settings.lights = &many.tree;
+    const auto records = std::span<const VisibilityRecord>(many.records).first(5000);
     ExpectStopsEverywhere(
-        [&] { return std::make_unique<VisibilityTreeBuilder>(kBounds, many.records, many.rays, settings); });
+        [&] { return std::make_unique<VisibilityTreeBuilder>(kBounds, records, many.rays, settings); });
 }
 
 }  // namespace

@@ -81,9 +81,9 @@ class SppmViews : public testing::TestWithParam<View> {};
 
 TEST_P(SppmViews, AgreeWithPath) {
     View view = GetParam();
-    view.samples = 192;
-    view.parameters = "'float radius' .15 'integer photonsperiteration' 1500";
-    CheckMean(view, "sppm", 0.08, kBlur);
+    view.samples = 24;
+    view.parameters = "'float radius' .106 'integer photonsperiteration' 1500";
+    CheckMean(view, "sppm", 0.44, kBlur);
 }
 
 INSTANTIATE_TEST_SUITE_P(All, SppmViews,
@@ -95,11 +95,12 @@ INSTANTIATE_TEST_SUITE_P(All, SppmViews,
 /// Direct light is found by any light sampler, the octree's learning one included.
 TEST(Sppm, LightSamplersDoNotChangeTheMean) {
     View view = AllViews()[0];
-    view.samples = 96;
-    view.parameters = "'float radius' .15 'integer photonsperiteration' 3000";
-    CheckLightSamplers(
-        view, "sppm",
-        {"'string lightsampler' 'uniform'", "'string lightsampler' 'power'", "'string lightsampler' 'octree'"}, kBlur);
+    view.samples = 16;
+    view.parameters = "'float radius' .111 'integer photonsperiteration' 3000";
+    CheckLightSamplers(view, "sppm",
+                       {"'string lightsampler' 'uniform'", "'string lightsampler' 'power'",
+                        "'string lightsampler' 'octree' 'float octree.budget' .06"},
+                       kBlur);
 }
 
 TEST(Sppm, IsTheSameForAnyNumberOfThreads) {

@@ -12,7 +12,10 @@
 namespace pbrt::test {
 namespace {
 
-constexpr int kSize = 12, kSeeds = 8;
+constexpr int kSize = 12, kSeeds = 24;
+/// Standard errors that a mean may be away: with the degrees of freedom of so many seeds, chance explains more once in
+/// 4,000 comparisons or less.
+constexpr double kLimit = 4.3;
 
 struct Place {
     std::string name;
@@ -105,7 +108,7 @@ TEST_P(Strategies, EachAloneEstimatesAllLightOfItsDepth) {
     const bool isSmoke = place.world.find("Medium") != std::string::npos;
     // What media emit is found by camera paths only.
     if (const size_t glow = place.world.find(kGlow); glow != std::string::npos) place.world.erase(glow, kGlow.size());
-    constexpr int kDepth = 3, kSamples = 192;
+    constexpr int kDepth = 3, kSamples = 40;
     std::map<std::string, Colors> alone;
     std::array<Colors, kDepth + 1> expected;
     for (int seed = 1; seed <= kSeeds; ++seed) {
@@ -127,13 +130,13 @@ TEST_P(Strategies, EachAloneEstimatesAllLightOfItsDepth) {
         for (size_t c = 0; c < 3; ++c) {
             const RunningStatistics &e = expected[depth][c];
             const double error = std::hypot(e.StandardError(), colors[c].StandardError());
-            EXPECT_LT(std::abs(colors[c].mean - e.mean), 5.5 * error + 1e-5 * brightest)
+            EXPECT_LT(std::abs(colors[c].mean - e.mean), kLimit * error + 1e-5 * brightest)
                 << name << ": " << colors[c].mean << " for " << e.mean;
-            EXPECT_LT(error, .1 * brightest) << name << ": the test would see nothing";
+            EXPECT_LT(kLimit * error, .55 * brightest) << name << ": the test would see nothing";
         }
         if (place.isFurnace) {
             EXPECT_LT(std::abs(colors[1].mean / expected[0][1].mean - std::pow(.5, depth)),
-                      5.5 * colors[1].StandardError() / expected[0][1].mean + 1e-4)
+                      kLimit * colors[1].StandardError() / expected[0][1].mean + 1e-4)
                 << name;
         }
     }

@@ -12,13 +12,14 @@ struct Setting {
     std::string integrator = "volpath";
     int maxDepth = 100, samples = 64;
     std::string lightSampler = "bvh";
-    std::string beforeCamera{};  ///< such as the medium that the camera stands in
+    std::string beforeCamera{};       ///< such as the medium that the camera stands in
+    std::string samplerParameters{};  ///< of the light sampler
 };
 
 /// A view of 16 x 16 pixels.
 inline std::string VolumeScene(const std::string &world, const Setting &s = {}) {
     std::string parameters;
-    if (s.integrator == "volpath") parameters = "'string lightsampler' '" + s.lightSampler + "'";
+    if (s.integrator == "volpath") parameters = "'string lightsampler' '" + s.lightSampler + "' " + s.samplerParameters;
     if (s.integrator == "mlt")
         parameters = fmt::format("'integer mutationsperpixel' {} 'integer bootstrapsamples' 4000", s.samples);
     return SceneText()

@@ -11,8 +11,8 @@ namespace pbrt::test {
 double StudentTail(double t, double dof);
 
 /// Sums and sums of squares of every pixel and channel over independent renders of one view. Pixels are independent too
-/// (sampler "independent", every sample goes to its own pixel), so the variance of a mean over pixels is known from few
-/// renders.
+/// (sampler "independent" or "paddedsobol", every sample goes to its own pixel), so the variance of a mean over pixels
+/// is known from few renders.
 class PixelStatistics {
   public:
     void Add(const Image &image);

@@ -20,7 +20,8 @@ std::string GuideRoomText(const GuideRoom &room) {
         text.Head(
             "MakeNamedMedium 'fog' 'string type' 'homogeneous' 'rgb sigma_s' [ .3 .25 .2 ] "
             "'rgb sigma_a' [ .02 .02 .04 ] 'float g' .4 MediumInterface '' 'fog'");
-    text.Camera(60).Film(room.size, room.size, "'bool savefp16' false").Samples(kGuideSamples);
+    text.Camera(60).Film(room.size, room.size, "'bool savefp16' false");
+    text.Head(fmt::format("Sampler '{}' 'integer pixelsamples' {}", room.sampler, kGuideSamples));
     text.Integrator(room.fog ? "volpath" : "path", 4, room.parameters);
     Objects world;
     world.Add(room.light).Add(room.walls).Quad(test::room::kCeiling).Quad(test::room::kFront);

@@ -18,6 +18,7 @@ struct GuideRoom {
     bool fog = false;          ///< the room is full of it, and the integrator is volpath
     bool window = false;       ///< the back wall has a hole
     int size = 48;             ///< of the film, in pixels
+    std::string sampler = "independent";
 };
 std::string GuideRoomText(const GuideRoom &room);
 

@@ -267,15 +267,15 @@ double ZOfTables(const CoatedDiffuseBxdf &walks, const std::vector<CoatedDiffuse
         wo = Normalize(wo);
         if (wo.z == 0 || wi.z == 0) continue;
         const double walk = double(walks.F(wo, wi, kRadiance)[0]);
-        for (size_t i = 0; i < tables.size(); ++i) {
-            const double f = double(tables[i].F(wo, wi, kRadiance)[0]);
-            value[i].Add(f);
-            difference[i].Add(f - walk);
+        for (size_t k = 0; k < tables.size(); ++k) {
+            const double f = double(tables[k].F(wo, wi, kRadiance)[0]);
+            value[k].Add(f);
+            difference[k].Add(f - walk);
         }
     }
     double z = 0;
-    for (size_t i = 0; i < tables.size(); ++i)
-        z = std::max(z, std::abs(difference[i].mean) / std::hypot(difference[i].StandardError(), 1e-3 * value[i].mean));
+    for (size_t k = 0; k < tables.size(); ++k)
+        z = std::max(z, std::abs(difference[k].mean) / std::hypot(difference[k].StandardError(), 1e-3 * value[k].mean));
     return z;
 }
 

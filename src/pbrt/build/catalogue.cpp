@@ -126,6 +126,22 @@ std::vector<FamilyDoc> AllFamilies(const PluginRegistry &registry) {
     return all;
 }
 
+/// Families of a replaced directive, or of a target of Attribute.
+std::vector<std::string> FamiliesOf(const std::string &key) {
+    static const std::map<std::string, std::vector<std::string>> families = {
+        {"Accelerator", {"accelerators"}},
+        {"Camera", {"cameras"}},
+        {"Film", {"films"}},
+        {"PixelFilter", {"filters"}},
+        {"Sampler", {"samplers"}},
+        {"light", {"lights", "arealights"}},
+        {"material", {"materials"}},
+        {"medium", {"media"}},
+        {"shape", {"shapes"}},
+        {"texture", {"floattextures", "spectrumtextures"}}};
+    return families.at(key);
+}
+
 }  // namespace
 
 void CheckUnbuilt(const SceneDescription &d, const PluginRegistry &registry, DiagnosticSink &sink) {
@@ -140,8 +156,7 @@ void CheckUnbuilt(const SceneDescription &d, const PluginRegistry &registry, Dia
         std::set<std::pair<std::string, ParamType>> declared;
         if (key == "material" || key == "medium") reader.Declare("type", ParamType::String);
         for (const FamilyDoc &family : families) {
-            // Such as "Film" in "Film", and "light" in "LightSource" and "AreaLightSource".
-            if (Lower(family.what).find(Lower(key)) == std::string::npos) continue;
+            if (!std::ranges::count(FamiliesOf(key), family.name)) continue;
             std::vector<std::string> names;
             for (const FactoryDoc &maker : family.makers) {
                 names.push_back(maker.name);

@@ -128,7 +128,7 @@ std::vector<FamilyDoc> AllFamilies(const PluginRegistry &registry) {
 }
 
 /// Families of a replaced directive, or of a target of Attribute.
-std::vector<std::string> FamiliesOf(const std::string &key) {
+const std::vector<std::string> &FamiliesOf(const std::string &key) {
     static const std::map<std::string, std::vector<std::string>> families = {
         {"Accelerator", {"accelerators"}},
         {"Camera", {"cameras"}},
@@ -156,8 +156,9 @@ void CheckUnbuilt(const SceneDescription &d, const PluginRegistry &registry, Dia
         ParamReader reader(entity.params);
         std::set<std::pair<std::string, ParamType>> declared;
         if (key == "material" || key == "medium") reader.Declare("type", ParamType::String);
+        const std::vector<std::string> &possible = FamiliesOf(key);
         for (const FamilyDoc &family : families) {
-            if (!std::ranges::count(FamiliesOf(key), family.name)) continue;
+            if (std::ranges::find(possible, family.name) == possible.end()) continue;
             std::vector<std::string> names;
             for (const FactoryDoc &maker : family.makers) {
                 names.push_back(maker.name);

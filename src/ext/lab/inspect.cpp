@@ -70,7 +70,7 @@ struct Measured {
 
 struct GuideLayer {
     const char *name, *meaning;
-    double least, most;
+    double min, max;
 };
 constexpr GuideLayer kGuideLayers[] = {
     {"continuationProbability", "continuation probability of a path of half its weight; magenta: no estimate", 0.5, 1},
@@ -88,17 +88,16 @@ void FindRange(int channel, Inspection *out) {
             ++layer.unknown;
             return;
         }
-        layer.least = layer.values ? std::min(layer.least, v) : v;
-        layer.most = layer.values ? std::max(layer.most, v) : v;
+        layer.min = layer.values ? std::min(layer.min, v) : v;
+        layer.max = layer.values ? std::max(layer.max, v) : v;
         sum += v;
         ++layer.values;
     });
     layer.mean = layer.values ? sum / double(layer.values) : 0;
     if (layer.name == "brightest" && layer.IsFlat() && layer.values > 0)
         for (const InspectedLight &light : out->lights)
-            if (light.first.value == uint32_t(layer.least)) layer.light = light.label;
-    if (layer.shownMost <= layer.shownLeast)
-        layer.shownMost = layer.most > layer.shownLeast ? layer.most : layer.shownLeast + 1;
+            if (light.first.value == uint32_t(layer.min)) layer.light = light.label;
+    if (layer.shownMax <= layer.shownMin) layer.shownMax = layer.max > layer.shownMin ? layer.max : layer.shownMin + 1;
 }
 
 class Inspector {
@@ -164,9 +163,9 @@ class Inspector {
 
   private:
     void MakeLayers(Inspection &out) {
-        auto add = [&](std::string name, std::string meaning, double least = 0, double most = 0, bool isId = false,
+        auto add = [&](std::string name, std::string meaning, double min = 0, double max = 0, bool isId = false,
                        bool ofScene = false) {
-            out.layers.push_back({std::move(name), std::move(meaning), isId, ofScene, least, most});
+            out.layers.push_back({std::move(name), std::move(meaning), isId, ofScene, min, max});
         };
         add("hit", "1 where the first visible surface is not purely specular", 0, 1);
         std::vector<InspectedValue> values;
@@ -202,7 +201,7 @@ class Inspector {
         for (const InspectedValue &v : values) {
             const GuideLayer *layer = std::ranges::find(kGuideLayers, v.name, &GuideLayer::name);
             PBRT_CHECK(layer != std::end(kGuideLayers));
-            add("guide." + v.name, layer->meaning, layer->least, layer->most);
+            add("guide." + v.name, layer->meaning, layer->min, layer->max);
         }
     }
 

@@ -21,14 +21,14 @@ struct InspectSettings {
 /// An image: one channel of Inspection::image.
 struct InspectedLayer {
     std::string name, meaning;
-    bool isId = false;                     ///< identifiers, shown as unordered colours
-    bool ofScene = false;                  ///< independent of the sampler
-    double shownLeast = 0, shownMost = 1;  ///< limits of the colour scale
-    double least = 0, most = 0, mean = 0;  ///< of the finite values where "hit" is 1 (layer "hit": everywhere)
-    size_t values = 0, unknown = 0;        ///< number of these finite values, and of non-finite ones
-    std::string light{};                   ///< light that the layer refers to; empty: none
+    bool isId = false;                  ///< identifiers, shown as unordered colours
+    bool ofScene = false;               ///< independent of the sampler
+    double shownMin = 0, shownMax = 1;  ///< limits of the colour scale
+    double min = 0, max = 0, mean = 0;  ///< of the finite values where "hit" is 1 (layer "hit": everywhere)
+    size_t values = 0, unknown = 0;     ///< number of these finite values, and of non-finite ones
+    std::string light{};                ///< light that the layer refers to; empty: none
     /// True if the value is constant or nowhere defined; the page then has a sentence instead of an image.
-    bool IsFlat() const { return values == 0 || (least == most && unknown == 0); }
+    bool IsFlat() const { return values == 0 || (min == max && unknown == 0); }
 };
 
 /// A light, or all primitives of an emissive mesh.

@@ -45,7 +45,7 @@ std::string Figure(const Json &layer) {
     std::string range = "a colour for each";
     if (colours.is_object())
         range = fmt::format("colours from {} to {}; here {} to {}, mean {}", Number(colours.at("darkest")),
-                            Number(colours.at("brightest")), Number(layer.at("least")), Number(layer.at("most")),
+                            Number(colours.at("brightest")), Number(layer.at("min")), Number(layer.at("max")),
                             Number(layer.at("mean")));
     const std::string name = EscapeHtml(layer.at("name")), file = EscapeHtml(layer.at("file"));
     return fmt::format(
@@ -61,11 +61,11 @@ std::string FlatText(const Json &layers) {
         const std::string name = layer.at("name");
         const std::string subject =
             layer.contains("light") ? "visibility of " + layer.at("light").get<std::string>() : name;
-        if (!layer.contains("least")) unknown += (unknown.empty() ? "" : "; ") + subject;
+        if (!layer.contains("min")) unknown += (unknown.empty() ? "" : "; ") + subject;
         else if (name == "sampler.leaf") text += "One leaf covers everything visible. ";
         else if (name == "brightest")
             text += "One light contributes most everywhere: " + layer.value("light", name) + ". ";
-        else same += (same.empty() ? "" : "; ") + subject + " " + Number(layer.at("least"));
+        else same += (same.empty() ? "" : "; ") + subject + " " + Number(layer.at("min"));
     }
     if (!same.empty()) text += "The same everywhere: " + same + ". ";
     if (!unknown.empty()) text += "No value anywhere: " + unknown + ". ";
@@ -112,12 +112,12 @@ Json LayerJson(const InspectedLayer &layer, const std::string &file) {
     json["file"] = layer.IsFlat() ? Json() : Json(file);
     json["meaning"] = layer.meaning;
     if (layer.isId) json["colours"] = "one per number, without order";
-    else json["colours"] = {{"darkest", layer.shownLeast}, {"brightest", layer.shownMost}};
+    else json["colours"] = {{"darkest", layer.shownMin}, {"brightest", layer.shownMax}};
     if (!layer.light.empty()) json["light"] = layer.light;
     json["isFlat"] = layer.IsFlat();
     if (layer.values > 0) {
-        json["least"] = layer.least;
-        json["most"] = layer.most;
+        json["min"] = layer.min;
+        json["max"] = layer.max;
         json["mean"] = layer.mean;
     }
     return json;
@@ -134,7 +134,7 @@ Json WriteLayers(const Inspection &inspection, const std::string &folder, const 
         const InspectedLayer &layer = inspection.layers[c];
         if (!wanted(layer)) continue;
         const FalseColorStyle style{layer.isId ? FalseColorStyle::Scale::Id : FalseColorStyle::Scale::Ramp,
-                                    Float(layer.shownLeast), Float(layer.shownMost), legendRows};
+                                    Float(layer.shownMin), Float(layer.shownMax), legendRows};
         const std::string file = prefix + layer.name + ".png";
         if (layer.IsFlat()) fs::remove(fs::path(folder) / file);  // removes images of earlier inspections
         else WriteImage(folder + "/" + file, FalseColor(inspection.image, int(c), style, &hit));
@@ -197,10 +197,10 @@ int RunInspect(const InspectOptions &options, const PluginRegistry &registry, Pr
 
     std::printf(
         "%s", inspection.structure.empty() ? "The sampler has no learned structure.\n" : inspection.structure.c_str());
-    std::printf("\n%-28s %12s %12s %12s\n", "layer", "least", "mean", "most");
+    std::printf("\n%-28s %12s %12s %12s\n", "layer", "min", "mean", "max");
     for (const InspectedLayer &layer : inspection.layers)
         if (!layer.isId)
-            std::printf("%-28s %12.4g %12.4g %12.4g\n", layer.name.c_str(), layer.least, layer.mean, layer.most);
+            std::printf("%-28s %12.4g %12.4g %12.4g\n", layer.name.c_str(), layer.min, layer.mean, layer.max);
     if (inspection.stride > 1)
         std::printf("There are %zu lights, so only every %d-th pixel of every row and column was inspected.\n",
                     inspection.lights.size(), inspection.stride);

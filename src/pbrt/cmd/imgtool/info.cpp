@@ -109,7 +109,7 @@ void PrintInfo(const std::string &path) {
                    metadata.fullResolution->y);
     fmt::print("  colour space: {}\n", metadata.colorSpace ? metadata.colorSpace->Name() : "srgb (not stated)");
     for (const auto &[name, value] : metadata.attributes) PrintAttribute(name, value);
-    fmt::print("  {:<16} {:>13} {:>13} {:>13} {:>8} {:>8}\n", "channel", "least", "mean", "largest", "nan", "infinite");
+    fmt::print("  {:<16} {:>13} {:>13} {:>13} {:>8} {:>8}\n", "channel", "min", "mean", "max", "nan", "infinite");
     for (int c = 0; c < image.ChannelCount(); ++c) {
         const ChannelStatistics s = Statistics(image, c);
         const std::string &name = image.Channels()[c];

@@ -93,8 +93,8 @@ TEST_F(Experiment, InspectsEverySampler) {
     EXPECT_EQ(ofScene, (Names{"brightest", "visibility.0", "visibility.1", "visibility.2"}));
     // All three lights have the same probability.
     const Json &entropy = SamplerOf(outcome, 2).at("views").at("layers").at(0);
-    EXPECT_NEAR(entropy.at("least").get<double>(), std::log2(3.0), 1e-5);
-    EXPECT_NEAR(entropy.at("most").get<double>(), std::log2(3.0), 1e-5);
+    EXPECT_NEAR(entropy.at("min").get<double>(), std::log2(3.0), 1e-5);
+    EXPECT_NEAR(entropy.at("max").get<double>(), std::log2(3.0), 1e-5);
     EXPECT_EQ(entropy.at("isFlat"), true);
     EXPECT_FALSE(fs::exists(folder_ / "out/uniform/views/entropy.png"));
     EXPECT_FALSE(fs::exists(folder_ / "out/uniform/views/sampler.side.png"));

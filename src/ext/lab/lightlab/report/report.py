@@ -222,10 +222,10 @@ def scale_html(results):
 
 
 def view_scale_html(view):
-    if view["least"] is None or view["most"] is None:
+    if view["min"] is None or view["max"] is None:
         return "a colour for each"
-    return (f'{esc(lab.figures(view["least"]))} <span class="ramp" style="background: linear-gradient(to right, '
-            f'{", ".join(lab.ERROR_RAMP)})"></span> {esc(lab.figures(view["most"]))}')
+    return (f'{esc(lab.figures(view["min"]))} <span class="ramp" style="background: linear-gradient(to right, '
+            f'{", ".join(lab.ERROR_RAMP)})"></span> {esc(lab.figures(view["max"]))}')
 
 
 def inside_html(results, items):

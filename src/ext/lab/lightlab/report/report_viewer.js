@@ -81,7 +81,7 @@ const viewer = (() => {
     }
     const label = document.createElement("b");
     label.textContent = v.label;
-    const range = view && view.least !== null ? ` (${view.least} to ${view.most.toPrecision(3)})` : "";
+    const range = view && view.min !== null ? ` (${view.min} to ${view.max.toPrecision(3)})` : "";
     const what = view ? "  " + view.title + range : (isError ? " error" : "") + (v.note ? "  " + v.note : "");
     line.append(label, what);
     if (v.biased) {

@@ -40,7 +40,7 @@ def chosen(layers):
 
 
 def views_of(entry, embed):
-    """[{name, title, meaning, file, least, most}] of a "views" entry of results.json; least is None where colours have
+    """[{name, title, meaning, file, min, max}] of a "views" entry of results.json; min is None where colours have
     no order. embed(file): the file's key among the page's pictures, None if it is missing."""
     views = []
     layers = [v for v in (entry or {}).get("layers") or [] if v.get("name")]
@@ -50,8 +50,8 @@ def views_of(entry, embed):
             continue
         colours = layer.get("colours") if isinstance(layer.get("colours"), dict) else {}
         views.append({"name": layer["name"], "title": title_of(layer), "meaning": layer.get("meaning") or "",
-                      "file": file, "least": lab.number(colours.get("darkest")),
-                      "most": lab.number(colours.get("brightest"))})
+                      "file": file, "min": lab.number(colours.get("darkest")),
+                      "max": lab.number(colours.get("brightest"))})
     return views
 
 
@@ -63,9 +63,9 @@ def flat_sentences(entry):
         sentences.append("One leaf covers everything visible.")
     sentences += [f"One light contributes most everywhere: {v['light']}." for v in layers
                   if v["name"] == "brightest" and v.get("light")]
-    same = [f"{title_of(v)} {lab.figures(lab.number(v.get('least')))}" for v in layers
-            if v["name"] not in ("sampler.leaf", "brightest") and lab.number(v.get("least")) is not None]
-    unknown = [title_of(v) for v in layers if lab.number(v.get("least")) is None]
+    same = [f"{title_of(v)} {lab.figures(lab.number(v.get('min')))}" for v in layers
+            if v["name"] not in ("sampler.leaf", "brightest") and lab.number(v.get("min")) is not None]
+    unknown = [title_of(v) for v in layers if lab.number(v.get("min")) is None]
     if same:
         sentences.append(f"The same everywhere: {'; '.join(same)}.")
     if unknown:

@@ -119,14 +119,14 @@ def sampler_entry(label, seeds, rounds):
 
 def layer(file, name, most=None, mean=0.5):
     """A layer of a inspection view; most: its largest value, or None for colours without order."""
-    return {"name": name, "file": file, "meaning": f"what {name} is", "isFlat": False, "least": 0,
-            "most": most or 7, "mean": mean,
+    return {"name": name, "file": file, "meaning": f"what {name} is", "isFlat": False, "min": 0,
+            "max": most or 7, "mean": mean,
             "colours": "one per number, without order" if most is None else {"darkest": 0, "brightest": most}}
 
 
 def flat(name, value=None, **more):
     """A layer without a picture; value: its only value, or None if it has no finite one."""
-    known = {} if value is None else {"least": value, "most": value, "mean": value}
+    known = {} if value is None else {"min": value, "max": value, "mean": value}
     return {"name": name, "file": None, "meaning": f"what {name} is", "isFlat": True,
             "colours": {"darkest": 0, "brightest": 1}, **known, **more}
 

@@ -185,7 +185,7 @@ struct UniformGridParams {
         coefficients.Describe(v);
         v("scale", scale, kCoefficientRange, kScaleHelp);
         v("Le", emission, "emitted radiance per unit length, times absorption");
-        v("Lescale", emissionScale, "factor of emission per voxel; default: 1");
+        v("Lescale", emissionScale, "factor of emission per voxel; default: 1 in the middle of the box, less outside");
         v("temperature", temperature, "emission temperature (K) per voxel; not with Le");
         thermal.Describe(v);
     }

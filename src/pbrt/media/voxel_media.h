@@ -63,7 +63,7 @@ class UniformGridMedium final : public Medium {
     struct Grids {
         glm::ivec3 count{1};             ///< voxels per axis
         std::vector<Float> density;      ///< at least 0
-        std::vector<Float> emission;     ///< factor of the emission; empty: 1
+        std::vector<Float> emission;     ///< factor of the emission; empty: 1 in one voxel as large as the box
         std::vector<Float> temperature;  ///< kelvin; empty: none
     };
     /// `bounds`: of the voxels, in medium space. Without temperatures the emission is that of `spectra`.
@@ -72,9 +72,11 @@ class UniformGridMedium final : public Medium {
         : Medium(g,
                  spectra.absorption.MaxValue() > 0 && (spectra.emission.MaxValue() > 0 || !grids.temperature.empty())),
           spectra_(std::move(spectra)), grids_(std::move(grids)), thermal_(thermal),
-          voxels_(grids_.count, CellsOfUniformGrid(grids_.count)) {
+          voxels_(grids_.count, CellsOfUniformGrid(grids_.count)),
+          emissionVoxels_(grids_.emission.empty() ? glm::ivec3(1) : grids_.count, CellsOfUniformGrid(grids_.count)) {
+        if (grids_.emission.empty()) grids_.emission = {1};
         PBRT_CHECK(grids_.density.size() == voxels_.Size());
-        PBRT_CHECK(grids_.emission.empty() || grids_.emission.size() == voxels_.Size());
+        PBRT_CHECK(grids_.emission.size() == emissionVoxels_.Size());
         PBRT_CHECK(grids_.temperature.empty() || grids_.temperature.size() == voxels_.Size());
         auto density = [this](size_t i) { return grids_.density[i]; };
         const glm::ivec3 cells = CellsOfUniformGrid(grids_.count);
@@ -95,22 +97,22 @@ class UniformGridMedium final : public Medium {
     static glm::ivec3 CellsOfUniformGrid(const glm::ivec3 &voxels) { return MajorantCells(voxels, 4, 8); }
     MediumCoefficients Evaluate(MediumOnRay &onRay, Float t) const override {
         const Point3 p = onRay.Walk().At(t);
-        auto read = [&](const std::vector<Float> &values) {
-            return voxels_.Interpolate(p, [&values](size_t i) { return values[i]; });
+        auto read = [&](const std::vector<Float> &values, const Voxels &voxels) {
+            return voxels.Interpolate(p, [&values](size_t i) { return values[i]; });
         };
-        const Float density = read(grids_.density);
+        const Float density = read(grids_.density, voxels_);
         const MediumCoefficients &unit = onRay.Unit();
         MediumCoefficients c{unit.absorption * density, unit.scattering * density, unit.emission};
         if (!IsEmissive()) return c;
-        if (!grids_.temperature.empty()) c.emission = thermal_.At(read(grids_.temperature), onRay.Lambda());
-        if (!grids_.emission.empty()) c.emission *= read(grids_.emission);
+        if (!grids_.temperature.empty()) c.emission = thermal_.At(read(grids_.temperature, voxels_), onRay.Lambda());
+        c.emission *= read(grids_.emission, emissionVoxels_);
         return c;
     }
 
     MediumSpectra spectra_;
     Grids grids_;
     ThermalEmission thermal_;
-    Voxels voxels_;
+    Voxels voxels_, emissionVoxels_;
     MajorantGrid majorants_;
     AffineMap gridFromRender_;
 };

@@ -45,13 +45,15 @@ TEST(MediaInPlaces, EmissionOfAGridOfTemperaturesIsThatOfQuadrature) {
     // Temperatures along the view's axis, in a box so wide that nothing changes across the view. It absorbs and emits.
     // Outside the voxels' middles stock and we interpolate towards 0, so the first and the last density are 0.
     auto text = [](const std::array<double, 6> &kelvins) {
-        std::string temperatures, densities;
+        std::string temperatures, densities, ones;
         for (int i = 0; i < 24; ++i) {
             temperatures += fmt::format(" {}", kelvins[i / 4]);
             densities += i < 4 || i >= 20 ? " 0" : " 1";
+            ones += " 1";
         }
         const std::string grid = "'string type' 'uniformgrid' 'integer nx' 2 'integer ny' 2 'integer nz' 6 ";
         return NamedMedium(grid + "'float density' [" + densities + " ] 'float temperature' [" + temperatures +
+                           " ] 'float Lescale' [" + ones +
                            " ] 'rgb sigma_a' [1.2 1.2 1.2] 'rgb sigma_s' [0 0 0] 'point3 p0' [-3 -3 -1] 'point3 p1' "
                            "[3 3 1]") +
                FilledWith() + "Shape 'sphere' 'float radius' 2.9\n";

@@ -83,15 +83,18 @@ TEST(Emission, NoneAt100KelvinAndBelow) {
     for (int k = 0; k < SpectrumSamples; ++k) EXPECT_NEAR(c[k], 2 * body[k], 1e-5f);
 }
 
-TEST(Emission, LeOfAUniformGridIsConstantUnlessLescaleVaries) {
+TEST(Emission, LeOfAUniformGridFadesFromTheMiddleOfTheBoxWithoutLescale) {
     Params plain = CountOf({2, 1, 1});
     plain.Floats(ParamType::Float, "density", {1, 2}).Rgb("Le", 1, 1, 1);
     Params scaled = plain;
     scaled.Floats(ParamType::Float, "Lescale", {5, 0});
     const auto a = MakeMedium("uniformgrid", plain), b = MakeMedium("uniformgrid", scaled);
     const RgbIlluminantSpectrum le(ColorSpace::SRGB(), Rgb(1));
-    for (const Point3 &p : {Point3(0.25f, 0.5f, 0.5f), Point3(0.9f, 0.1f, 0.1f), Point3(0.5f, 0.99f, 0.5f)})
-        ExpectEmission(*a, p, [&](Float nm) { return double(le(nm) / CieYIntegral); });
+    // As in stock pbrt-v4: a single voxel of 1, interpolated towards 0 outside the box.
+    using Place = std::pair<Point3, double>;
+    for (const auto &[p, share] : {Place({0.5f, 0.5f, 0.5f}, 1), Place({0.25f, 0.5f, 0.5f}, 0.75),
+                                   Place({0.9f, 0.1f, 0.1f}, 0.216), Place({0.5f, 0.99f, 0.5f}, 0.51)})
+        ExpectEmission(*a, p, [&, share = share](Float nm) { return share * double(le(nm) / CieYIntegral); });
     ExpectEmission(*b, {0.25f, 0.5f, 0.5f}, [&](Float nm) { return 5 * double(le(nm) / CieYIntegral); });
     ExpectEmission(*b, {0.5f, 0.5f, 0.5f}, [&](Float nm) { return 2.5 * double(le(nm) / CieYIntegral); });
     ExpectEmission(*b, {0.75f, 0.5f, 0.5f}, [&](Float) { return 0; });

@@ -156,12 +156,14 @@ struct TextureLibrary::Impl {
     auto MakeOf(const auto &table, Definition &d, SpectrumUse use, LookupCost *cost) {
         DiagnosticSink ignored;
         const size_t limit = indexOf[d.isSpectrum].at(d.name);
+        // As in stock pbrt-v4, spectrum textures may also use float textures that are defined later.
+        const size_t floatLimit = d.isSpectrum ? definitions.size() : limit;
         const TextureRequest request{d.renderFromTexture,
                                      use,
                                      files,
                                      images,
                                      d.made ? ignored : sink,
-                                     [=, this](const FloatTextureParam &p) { return Find(p, limit, cost); },
+                                     [=, this](const FloatTextureParam &p) { return Find(p, floatLimit, cost); },
                                      [=, this](const SpectrumTextureParam &p) { return Find(p, limit, cost); }};
         d.made = true;
         return table.Make(d.textureClass, d.params, request);

@@ -69,6 +69,14 @@ TEST(TextureLibrary, OperandsMustComeEarlier) {
     b.ExpectErrors({11, 31}, {"spectrum texture \"b\""});
 }
 
+TEST(TextureLibrary, FloatOperandsOfSpectrumTexturesMayComeLater) {
+    Bench b;
+    b.Define("a", true, "scale", Params("Texture \"a\"", 10).Rgb("tex", 0.5f, 0.5f, 0.5f).Texture("scale", "b"));
+    b.Define("b", false, "constant", Params("Texture \"b\"", 20).Number("value", 0.25f));
+    b.textures.CheckAll();
+    b.ExpectErrors({});
+}
+
 TEST(TextureLibrary, ImageMapsMayComeLater) {
     Bench b;
     b.Define("a", false, "scale", Params("Texture \"a\"", 10).Texture("tex", "image"));

@@ -55,23 +55,30 @@ class GeometryBuilder {
     }
 
     void BuildMaterials() {
-        auto add = [&](MaterialPtr m) {
-            if (m && description_.options.forceDiffuse.value_or(false)) m = ForceDiffuse(std::move(m));
-            contents_.materials.push_back(std::move(m));
-            return MaterialId(contents_.materials.size() - 1);
+        auto forced = [&](MaterialPtr m) {
+            return description_.options.forceDiffuse.value_or(false) ? ForceDiffuse(std::move(m)) : m;
         };
         auto byName = [&](const std::string &name) -> MaterialPtr {
             auto it = named_.find(name);
             return it == named_.end() || !it->second ? nullptr : contents_.materials[it->second.value];
         };
         MaterialContext context{textures_, description_.files, sink_, byName};
-        for (MaterialEntity &m : description_.materials) {
-            MaterialId id{};
-            Collect(sink_, [&] { id = add(MakeMaterial(m.type, m.params, context)); });
-            byIndex_.push_back(id);
-            if (!m.name.empty()) named_.emplace(m.name, id);
-        }
-        defaultMaterial_ = add(MakeMaterial("diffuse", ParamSet("Material \"diffuse\"", {}), context));
+        const std::vector<MaterialEntity> &all = description_.materials;
+        contents_.materials.resize(all.size() + 1);
+        byIndex_.resize(all.size());
+        // Mixes without a name are last, as in stock: only they may use materials that are defined later.
+        for (const bool isLast : {false, true})
+            for (size_t i = 0; i < all.size(); ++i) {
+                const MaterialEntity &m = all[i];
+                if ((m.name.empty() && m.type == "mix") != isLast) continue;
+                Collect(sink_, [&] {
+                    contents_.materials[i] = forced(MakeMaterial(m.type, m.params, context));
+                    byIndex_[i] = MaterialId(i);
+                });
+                if (!m.name.empty()) named_.emplace(m.name, byIndex_[i]);
+            }
+        contents_.materials.back() = forced(MakeMaterial("diffuse", ParamSet("Material \"diffuse\"", {}), context));
+        defaultMaterial_ = MaterialId(all.size());
     }
     /// Reads and transforms all shapes (in parallel), then registers them in file order.
     void BuildShapes(Progress &progress) {

@@ -90,6 +90,16 @@ TEST(BuildScene, UnknownNamesAreErrorsAlsoWhereNothingIsBuiltFromThem) {
     EXPECT_EQ(valid.Count("unused"), 0);
 }
 
+TEST(BuildScene, OnlyAnUnnamedMixMayComeBeforeItsMaterials) {
+    const std::string operands =
+        "MakeNamedMaterial 'a' 'string type' 'diffuse' MakeNamedMaterial 'b' 'string type' 'diffuse'\n";
+    const std::string mix = "'string materials' ['a' 'b']\n";
+    EXPECT_TRUE(Try(Text("", kLamp + ("Material 'mix' " + mix) + kBall + operands)).isBuilt);
+    const Outcome named =
+        Try(Text("", kLamp + ("MakeNamedMaterial 'm' 'string type' 'mix' " + mix) + kBall + operands));
+    EXPECT_EQ(named.Count("there is no material \"a\" here"), 1);
+}
+
 TEST(BuildScene, PreparationNamesTheScenesOwnParts) {
     const BuiltScene built =
         BuildText(Text("Integrator 'path' 'integer maxdepth' 7 Sampler 'independent' 'integer pixelsamples' 12 "

@@ -93,7 +93,8 @@ Bounds2i ChoosePixelBounds(const FilmParams &params, const ParamSet &set, Point2
     FileLoc loc = set.LocOf("pixelbounds");
 
     Bounds2i bounds = full;
-    auto take = [&](const Bounds2i &wanted) {
+    auto take = [&](const Bounds2i &given) {
+        const Bounds2i wanted{glm::min(given.low, given.high), glm::max(given.low, given.high)};
         bounds = Intersect(wanted, full);
         if (!wanted.IsEmpty() && (bounds.low != wanted.low || bounds.high != wanted.high))
             sink.Warning(loc, "The pixel bounds reach beyond the image and are cut.");

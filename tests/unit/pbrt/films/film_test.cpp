@@ -58,6 +58,7 @@ TEST_F(FilmTest, FlagsOverrideThePixelsOfTheScene) {
     const Case kCases[] = {
         {"crop window, rounded up", {128, 96}, {}, {0.125f, 0.8125f, 0.25f, 0.91667f}, {}, {{16, 24}, {104, 89}}, 0},
         {"half-open bounds", {128, 96}, {24, 104, 24, 88}, {}, {}, {{24, 24}, {104, 88}}, 0},
+        {"bounds from the far corner", {128, 96}, {104, 24, 88, 24}, {}, {}, {{24, 24}, {104, 88}}, 0},
         {"both", {100, 100}, {24, 30, 24, 30}, {0.5f, 1, 0, 0.25f}, {}, {{50, 0}, {100, 25}}, 1},
         {"bounds by flag", {100, 100}, {}, {0.5f, 1, 0, 0.25f}, bounds, {{1, 2}, {3, 4}}, 0},
         {"crop window by flag", {100, 100}, {}, {0.5f, 1, 0, 0.25f}, crop, {{0, 0}, {10, 20}}, 0},

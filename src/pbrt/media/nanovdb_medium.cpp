@@ -77,6 +77,8 @@ class VdbGrid {
         const std::string what = fmt::format("{}: grid \"{}\"", path, Abbreviate(data.gridName));
         if (data.gridType != nanovdb::GridType::Float)
             throw UserError("{} holds values of type {}; only float is possible.", what, nanovdb::toStr(data.gridType));
+        if (data.gridClass != nanovdb::GridClass::FogVolume && data.gridClass != nanovdb::GridClass::Unknown)
+            throw UserError("{} is of class {}; only fog volumes are possible.", what, nanovdb::toStr(data.gridClass));
         RequireMemory(double(data.gridSize), what, {});
         handle_ = nanovdb::io::readGrid(path, data.gridName);
         if (handle_.size() >= sizeof(nanovdb::GridData)) grid_ = handle_.grid<float>();

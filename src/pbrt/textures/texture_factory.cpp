@@ -156,8 +156,7 @@ struct TextureLibrary::Impl {
     auto MakeOf(const auto &table, Definition &d, SpectrumUse use, LookupCost *cost) {
         DiagnosticSink ignored;
         const size_t limit = indexOf[d.isSpectrum].at(d.name);
-        // As in stock pbrt-v4, spectrum textures may also use float textures that are defined later.
-        const size_t floatLimit = d.isSpectrum ? definitions.size() : limit;
+        const size_t floatLimit = d.isSpectrum ? definitions.size() : limit;  // all float ones come first, as in stock
         const TextureRequest request{d.renderFromTexture,
                                      use,
                                      files,

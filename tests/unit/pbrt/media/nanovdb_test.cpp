@@ -144,6 +144,13 @@ TEST_F(NanoVdbMedium, GridsThatAreNotThereAreErrors) {
         "the same parameter");
 }
 
+TEST_F(NanoVdbMedium, LevelSetsAreErrors) {
+    nanovdb::GridBuilder<float> builder(1.f, nanovdb::GridClass::LevelSet);
+    builder.getAccessor().setValue({1, 2, 3}, 0.5f);
+    nanovdb::io::writeGrid(Path("set.nvdb"), builder.getHandle<>(1.0, nanovdb::Vec3d(0), "density"));
+    ExpectNanoVdbComplaint(Params().String("filename", Path("set.nvdb")), 1, "only fog volumes");
+}
+
 TEST_F(NanoVdbMedium, BrokenFilesAreErrors) {
     const std::string blob = ReadFileContents(kBlob);
     ASSERT_GT(blob.size(), 100000u);

@@ -54,7 +54,6 @@ struct RenderFileHead {
     FilmRecipe film;
     ImageMetadata metadata;  ///< attributes of the output image
 
-    bool IsComplete() const { return (end == 0 || done == end) && passCount == 0; }
     /// Returns the error of an invalid head; empty if valid.
     std::optional<std::string> Validate() const {
         const auto isTime = [](double s) { return s >= 0 && std::isfinite(s); };

@@ -84,12 +84,15 @@ struct Part {
 /// The part without its sums, which are not in memory for all parts at once.
 Part ReadPart(const std::string &path, bool incomplete) {
     Part part{path, RenderFile(path).Head()};
-    const RenderFileHead &head = part.head;
-    if (head.passCount > 0 || (!head.IsComplete() && !incomplete))
-        throw UserError(
-            "{}: is unfinished: of the samples {}:{} it has {}; the same command with --resume completes it{}.", path,
-            head.first, head.end, part.Range() + (head.passCount > 0 ? " and some more of some pixels" : ""),
-            head.passCount > 0 ? "" : kIncomplete);
+    RenderFileHead &head = part.head;
+    const bool isEndOpen = head.end == 0;  // of a render with --time or --noise
+    if (isEndOpen && !head.metadata.attributes.contains("pbrt.interrupted")) head.end = head.done;
+    if (head.passCount > 0 || (head.done != head.end && !incomplete))
+        throw UserError("{}: is unfinished: {} it has {}; the same command with --resume completes it{}.", path,
+                        isEndOpen ? "of a render with --time or --noise"
+                                  : fmt::format("of the samples {}:{}", head.first, head.end),
+                        part.Range() + (head.passCount > 0 ? " and some more of some pixels" : ""),
+                        head.passCount > 0 ? "" : kIncomplete);
     return part;
 }
 
@@ -106,7 +109,8 @@ void CheckSameRender(const Part &one, const Part &other) {
 /// `parts` are sorted. Returns their total number of samples.
 int CheckCover(const std::vector<Part> &parts, bool incomplete) {
     std::string problems;
-    int next = 0, total = 0, all = parts[0].head.samplesPerBatch;
+    const RenderFileHead &any = parts[0].head;
+    int next = 0, total = 0, all = any.isPart || any.end == 0 ? any.samplesPerBatch : any.end;
     const Part *before = nullptr;
     bool isMissing = false;
     const auto missing = [&](int first, int end) {

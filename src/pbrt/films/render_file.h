@@ -45,7 +45,7 @@ struct RenderFileHead {
     RenderIdentity identity;
     int samplesFlag = 0;      ///< --spp of the first run, which determines the sample pattern; 0: the scene's
     int samplesPerBatch = 1;  ///< per pixel, in a batch of the pixel sampler
-    int first = 0, end = 1;   ///< requested samples; `end` 0: limited by time
+    int first = 0, end = 1;   ///< requested samples; `end` 0: open; attribute pbrt.interrupted until finished
     bool isPart = false;      ///< requested by --samples
     int done = 0;             ///< the film holds samples [first, done) of every pixel
     int passCount = 0;        ///< see RenderPosition; passDone is a separate section

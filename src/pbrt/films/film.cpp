@@ -112,7 +112,7 @@ Bounds2i ChoosePixelBounds(const FilmParams &params, const ParamSet &set, Point2
         bounds = FromCropWindow({{(*v)[0], (*v)[2]}, {(*v)[1], (*v)[3]}}, fullResolution);
     } else if (const auto &b = params.pixelBounds) {
         const int d = overrides.resolutionDivisor;
-        take({{(*b)[0] / d, (*b)[2] / d}, {((*b)[1] + d - 1) / d, ((*b)[3] + d - 1) / d}});
+        take({{(*b)[0] / d, (*b)[2] / d}, {(*b)[1] / d + ((*b)[1] % d > 0), (*b)[3] / d + ((*b)[3] % d > 0)}});
     }
     if (bounds.IsEmpty())
         throw UserError(loc, "{}No pixel is left to render: pixel bounds x {} to {}, y {} to {} of {} x {} pixels.",

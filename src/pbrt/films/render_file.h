@@ -45,7 +45,7 @@ struct RenderFileHead {
     RenderIdentity identity;
     int samplesFlag = 0;      ///< --spp of the first run, which determines the sample pattern; 0: the scene's
     int samplesPerBatch = 1;  ///< per pixel, in a batch of the pixel sampler
-    int first = 0, end = 1;   ///< requested samples; `end` 0: limited by time
+    int first = 0, end = 1;   ///< requested samples; `end` 0: open; attribute pbrt.interrupted until finished
     bool isPart = false;      ///< requested by --samples
     int done = 0;             ///< the film holds samples [first, done) of every pixel
     int passCount = 0;        ///< see RenderPosition; passDone is a separate section
@@ -54,7 +54,6 @@ struct RenderFileHead {
     FilmRecipe film;
     ImageMetadata metadata;  ///< attributes of the output image
 
-    bool IsComplete() const { return (end == 0 || done == end) && passCount == 0; }
     /// Returns the error of an invalid head; empty if valid.
     std::optional<std::string> Validate() const {
         const auto isTime = [](double s) { return s >= 0 && std::isfinite(s); };

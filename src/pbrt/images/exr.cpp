@@ -206,7 +206,10 @@ std::string EncodeExr(const std::string &path, const Image &image, const ImageMe
     if (clamped > 0)
         LogWarning("{}: {} values are at or beyond {}, the largest in half precision.", path, clamped, kMaxHalf);
     Imf::PixelType type = asFloat ? Imf::FLOAT : Imf::HALF;
-    for (const std::string &name : image.Channels()) header.channels().insert(name, Imf::Channel(type));
+    for (const std::string &name : image.Channels()) {
+        if (header.channels().findChannel(name)) throw UserError("{}: channel \"{}\" is given twice.", path, name);
+        header.channels().insert(name, Imf::Channel(type));
+    }
     // In memory, because OpenEXR does not report errors on closing a file.
     Imf::StdOSStream stream;
     {

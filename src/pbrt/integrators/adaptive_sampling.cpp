@@ -199,13 +199,15 @@ std::optional<NoiseEstimate> EstimateNoise(const Film &film, const Film &half, c
     if (halves.counts.empty() || std::ranges::min(halves.counts) <= plan.halfBlock) return {};
     const std::vector<double> errors = RelativeErrors(halves);
     const int width = halves.all.Resolution().x;
-    // Sum over a cell of the variance of one sample, of at most `limit` a pixel; over the pixels with whole blocks.
+    // Pixels with short blocks do not count, unless all are: a single row.
+    const bool areAllShort = film.PixelBounds().Height() == 1 && plan.HasShortBlocks(halves.low);
+    const auto counts = [&](Point2i pixel) { return areAllShort || !plan.HasShortBlocks(pixel); };
+    // Sum over a cell of the variance of one sample, of at most `limit` a pixel.
     const auto sumOf = [&](size_t cell, double limit) {
         double sum = 0;
         cells.ForPixels(cell, [&](Point2i pixel) {
             const Point2i p = pixel - halves.low;
-            if (!plan.HasShortBlocks(pixel))
-                sum += std::min(limit, halves.counts[cell] * errors[size_t(p.y) * width + p.x]);
+            if (counts(pixel)) sum += std::min(limit, halves.counts[cell] * errors[size_t(p.y) * width + p.x]);
         });
         return sum;
     };
@@ -213,12 +215,11 @@ std::optional<NoiseEstimate> EstimateNoise(const Film &film, const Film &half, c
     std::vector<double> pixels(cells.Count()), sums, limited;
     double allPixels = 0;
     for (size_t i = 0; i < cells.Count(); ++i) {
-        cells.ForPixels(i, [&](Point2i pixel) { pixels[i] += !plan.HasShortBlocks(pixel); });
+        cells.ForPixels(i, [&](Point2i pixel) { pixels[i] += counts(pixel); });
         sums.push_back(sumOf(i, Infinity));
         estimate.relL2 += sums[i] / halves.counts[i];
         allPixels += pixels[i];
     }
-    if (allPixels == 0) return {};
     estimate.relL2 /= allPixels;
     const std::vector<double> pixelsAround = WithNeighbours(cells, pixels), sumsAround = WithNeighbours(cells, sums);
     for (size_t i = 0; i < cells.Count(); ++i)

@@ -76,7 +76,9 @@ class WaveLoop {
         if (!settings_.checkpoint || context_.progress.SecondsSince(saved_) < settings_.checkpointInterval) return;
         renderer_.Gather();
         Describe();
+        result_.cancelled = true;  // until the last checkpoint, which a killed render never writes
         settings_.checkpoint(renderer_.Position(), result_);
+        result_.cancelled = false;
         saved_ = context_.progress.Now();
     }
 

@@ -84,12 +84,15 @@ struct Part {
 /// The part without its sums, which are not in memory for all parts at once.
 Part ReadPart(const std::string &path, bool incomplete) {
     Part part{path, RenderFile(path).Head()};
-    const RenderFileHead &head = part.head;
-    if (head.passCount > 0 || (!head.IsComplete() && !incomplete))
-        throw UserError(
-            "{}: is unfinished: of the samples {}:{} it has {}; the same command with --resume completes it{}.", path,
-            head.first, head.end, part.Range() + (head.passCount > 0 ? " and some more of some pixels" : ""),
-            head.passCount > 0 ? "" : kIncomplete);
+    RenderFileHead &head = part.head;
+    const bool isEndOpen = head.end == 0;  // of a render with --time or --noise
+    if (isEndOpen && !head.metadata.attributes.contains("pbrt.interrupted")) head.end = head.done;
+    if (head.passCount > 0 || (!incomplete && (head.end == 0 || head.done != head.end)))
+        throw UserError("{}: is unfinished: {} it has {}; the same command with --resume completes it{}.", path,
+                        isEndOpen ? "of a render with --time or --noise"
+                                  : fmt::format("of the samples {}:{}", head.first, head.end),
+                        part.Range() + (head.passCount > 0 ? " and some more of some pixels" : ""),
+                        head.passCount > 0 ? "" : kIncomplete);
     return part;
 }
 
@@ -106,7 +109,7 @@ void CheckSameRender(const Part &one, const Part &other) {
 /// `parts` are sorted. Returns their total number of samples.
 int CheckCover(const std::vector<Part> &parts, bool incomplete) {
     std::string problems;
-    int next = 0, total = 0, all = parts[0].head.samplesPerBatch;
+    int next = 0, total = 0, all = 0;
     const Part *before = nullptr;
     bool isMissing = false;
     const auto missing = [&](int first, int end) {
@@ -121,10 +124,11 @@ int CheckCover(const std::vector<Part> &parts, bool incomplete) {
             problems += fmt::format("{} ({}) and {} ({}) have samples in common. ", before->path, before->Range(),
                                     part.path, part.Range());
         total += head.done - head.first;
-        all = std::max(all, head.end);
+        all = std::max(all, head.isPart || head.end == 0 ? head.samplesPerBatch : head.end);
         if (head.done > next || !before) before = &part;
         next = std::max(next, head.done);
     }
+    if (total == 0) throw UserError("{}: has no samples yet.", parts[0].path);
     if (next < all) missing(next, all);
     if (!problems.empty()) {
         problems.pop_back();

@@ -15,12 +15,15 @@ std::vector<std::string> FindImages(const std::vector<std::string> &names, const
                                                     ".gif", ".tif", ".tiff", ".ppm", ".pgm", ".pnm",  ".psd", ".qoi"};
     std::error_code code;
     std::vector<std::string> files;
+    const auto isLeftOut = [&](const fs::path &file) {
+        return std::ranges::any_of(except, [&](const std::string &e) { return fs::equivalent(file, e, code); });
+    };
     auto add = [&](const std::string &file) {
         if (std::ranges::count(files, file) == 0) files.push_back(file);
     };
     for (const std::string &name : names) {
         if (fs::is_regular_file(name, code)) {
-            add(name);
+            if (!isLeftOut(name)) add(name);
             continue;
         }
         const fs::path path(name);
@@ -33,10 +36,7 @@ std::vector<std::string> FindImages(const std::vector<std::string> &names, const
             const bool fits = isPattern
                                   ? fnmatch(last.c_str(), here.c_str(), FNM_PERIOD) == 0
                                   : here.starts_with(last) && std::ranges::count(kKnown, LowerExtension(here)) > 0;
-            if (!fits || !entry.is_regular_file(code)) continue;
-            if (std::any_of(except.begin(), except.end(),
-                            [&](const std::string &e) { return fs::equivalent(entry.path(), e, code); }))
-                continue;
+            if (!fits || !entry.is_regular_file(code) || isLeftOut(entry.path())) continue;
             found.push_back(path.has_parent_path() ? entry.path().string() : here);
         }
         if (found.empty())
@@ -46,6 +46,7 @@ std::vector<std::string> FindImages(const std::vector<std::string> &names, const
         std::sort(found.begin(), found.end());
         for (const std::string &file : found) add(file);
     }
+    if (files.empty()) throw UserError("There is no image but {}.", except[0]);
     return files;
 }
 

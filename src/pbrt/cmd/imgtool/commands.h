@@ -152,8 +152,8 @@ inline ImageFile ReadAsFloat(const std::string &path) {
     return file;
 }
 /// Files that match `names`, without duplicates. A name is a file, a pattern with * and ? in the last path component,
-/// or a prefix of image paths. Pattern and prefix matches are sorted and exclude `except`, so that earlier results are
-/// no input. Throws UserError for a name without match.
+/// or a prefix of image paths. Pattern and prefix matches are sorted. Files in `except` are left out, so that earlier
+/// results are no input. Throws UserError for a name without match, or if no file is left.
 std::vector<std::string> FindImages(const std::vector<std::string> &names, const std::vector<std::string> &except);
 inline constexpr const char *kImagesHelp =
     "Images: names of files, patterns in quotes such as 'runs/seed*.exr', or starts of names such as runs/seed";

@@ -362,7 +362,11 @@ class RenderJob {
     }
 
     void LogNoise(const RenderResult &result) const {
-        if (!result.adaptive || !result.adaptive->noise) return;
+        if (!result.adaptive) return;
+        if (options_.noise > 0 && !result.adaptive->noise)
+            LogWarning("--noise {} was not reached: no estimate with {} per pixel; raise --spp or --time.",
+                       options_.noise, CountText(result.samplesTaken, "sample"));
+        if (!result.adaptive->noise) return;
         const double noise = *result.adaptive->noise;
         LogInfo("Estimated noise: {:.4f}.", noise);
         if (options_.noise > 0 && noise > options_.noise)

@@ -60,7 +60,6 @@ TEST_F(RenderFiles, GiveBackAllThatWasWritten) {
     EXPECT_EQ(read.end, 9);
     EXPECT_EQ(read.done, 5);
     EXPECT_TRUE(read.isPart);
-    EXPECT_FALSE(read.IsComplete());
     EXPECT_EQ(read.passCount, 2);
     EXPECT_EQ(read.seconds, 1.5);
     EXPECT_EQ(read.renderSeconds, 0.1);

@@ -48,8 +48,14 @@ TEST_F(Imgtool, ErrorTakesNamesAndPatternsAndListsTheFiles) {
     EXPECT_TRUE(Has(compared("run1"), "run1.exr: 1\nrun1.exr.old.exr: 9\nrun10.exr: 4\n")) << compared("run1");
     EXPECT_TRUE(
         Has(Run("average 'run1*.exr' --outfile mean.exr").out, "3 images: run1.exr, run1.exr.old.exr, run10.exr"));
-    ExpectErrors(
-        {{"error 'x*' --reference ref.exr", "No file fits \"x*\""}, {"error run1.exr x --reference ref.exr", "\"x\""}});
+    // A shell passes the names that fit its pattern, among them that of the reference or the last result.
+    EXPECT_EQ(compared("ref.exr run1.exr ./ref.exr"), "MSE: mean 1, run1.exr\n");
+    EXPECT_TRUE(
+        Has(Run("average mean.exr run1.exr run10.exr --outfile mean.exr").out, "2 images: run1.exr, run10.exr"));
+    ExpectErrors({{"error 'x*' --reference ref.exr", "No file fits \"x*\""},
+                  {"error run1.exr x --reference ref.exr", "\"x\""},
+                  {"error ref.exr --reference ref.exr", "no image but ref.exr"},
+                  {"convert run1.exr twice.exr --channels R,G,R", "twice.exr: channel \"R\" is given twice"}});
 }
 
 TEST_F(Imgtool, AFullDiskIsAnErrorAndKeepsTheOldFile) {

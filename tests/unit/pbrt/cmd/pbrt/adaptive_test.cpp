@@ -102,6 +102,13 @@ TEST_F(Adaptive, TheNoiseReachedIsTheNoiseRequested) {
     EXPECT_TRUE(SamePixels(first, Render(level + "0.2")));
     EXPECT_GT(IntOf(Render(level + "0.1"), "samplesPerPixel"), IntOf(first, "samplesPerPixel"));
     EXPECT_TRUE(Has(RunWell("ball.pbrt --spp 8 --noise 0.001 --outfile x.exr"), "not reached"));
+    EXPECT_TRUE(Has(RunWell("ball.pbrt --quick --noise 0.1 --outfile x.exr"), "not reached: no estimate with 1 "));
+}
+
+TEST_F(Adaptive, SingleRowsAndPixels) {
+    Write("ball.pbrt", NoisyBall(32));
+    for (const char *pixels : {"--pixel 40,21", "--pixel 40,22", "--pixelbounds 3,60,21,22"})
+        EXPECT_GT(NumberOf(Render(fmt::format("ball.pbrt {} {}", adaptive_, pixels)), "pbrt.noise"), 0) << pixels;
 }
 
 TEST_F(Adaptive, LessNoiseWithTheSameSamples) {

@@ -220,6 +220,24 @@ TEST_F(Parts, PartsOfOtherRendersAndUnfinishedOnesAreErrors) {
                   {"scene.pbrt --samples 0:4 --checkpoint a --resume", {"a: ", "0:2", "0:4"}}});
 }
 
+TEST_F(Parts, RendersWithAnOpenEndAreMergedOnceFinished) {
+    Write("scene.pbrt", LearningScene("rgb", 4096));
+    for (const std::string name : {"time", "noise"}) {
+        const ImageFile whole =
+            Render(fmt::format("scene.pbrt --{0} {1} --checkpoint {0}", name, name == "time" ? 0.2 : 9));
+        EXPECT_TRUE(SamePixels(whole, Merged("merged.exr " + name))) << name;
+    }
+    const pid_t pid =
+        StartUntilWritten("scene.pbrt --noise 1e-6 --checkpoint killed --checkpoint-interval 0.01", "killed");
+    kill(pid, SIGKILL);
+    Wait(pid);
+    ExpectMergeError("none.exr killed", {"killed: ", "unfinished: of a render with", " 0:", "--incomplete"});
+    // The first checkpoint is written before the first sample.
+    const Outcome some = RunImgtool("merge some.exr --incomplete killed");
+    if (some.status == 0) EXPECT_GT(IntOf(ReadImage(Path("some.exr")), "samplesPerPixel"), 0);
+    else ExpectWords(some.err, {"killed: has no samples"});
+}
+
 TEST_F(Parts, ThatLearnSeparatelyAgreeAsWell) {
     if (!ext_) GTEST_SKIP() << "NOT TESTED: no light sampler of this build learns while it renders";
     Write("scene.pbrt", LearningScene("rgb", 16));

@@ -26,6 +26,7 @@ TEST_F(Flags, UnknownFlagsAndBadValuesAreErrors) {
                   {"scene.pbrt --cropwindow=0.2,0.4", {"--cropwindow", "4 numbers", "x0,x1,y0,y1", "2: 0.2 0.4"}},
                   {"--pixel 3 scene.pbrt", {"--pixel", "2 numbers", "x,y", "\"scene.pbrt\""}},
                   {"scene.pbrt --pixel", {"--pixel", "2 numbers", "x,y", "has 0"}},
+                  {"scene.pbrt --pixel 2147483647,0", {"--pixel", "\"2147483647\" is not an integer from 0 to"}},
                   {"--spp 0 scene.pbrt", {"--spp", "--help"}},
                   {"--spp many scene.pbrt", {"--spp", "many"}},
                   {"--nthreads -1 scene.pbrt", {"--nthreads"}},

@@ -138,7 +138,7 @@ void BdptIntegrator::Follow(PathWalk &walk, Subpath &path, Sample &sample) const
         const bool isFull = path.count == int(path.vertices.size());
         if (isFull && (path.mode == TransportMode::Importance || ScattersSurely(context_.scene, walk.Vertex().point)))
             return;
-        if (walk.FindScattering(sample.lambda) && (isFull || !ScatterAtSurface(walk, path))) return;
+        if (walk.FindScattering(sample.lambda, path.weights) && (isFull || !ScatterAtSurface(walk, path))) return;
     }
 }
 

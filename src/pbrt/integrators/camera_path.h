@@ -134,8 +134,9 @@ class CameraPath {
                     return passed == Passed::Scattered;
         AddEmission(met);
         if (met == PathWalk::Met::Nothing) return false;
-        const bool scatters = walk_.FindScattering(lambda_);
-        if constexpr (Throughput::kHasMedia) throughput_.onlyFirst = lambda_.SecondaryTerminated();
+        bool scatters;
+        if constexpr (Throughput::kHasMedia) scatters = walk_.FindScattering(lambda_, throughput_);
+        else scatters = walk_.FindScattering(lambda_);
         if (scatters) return ScatterAtSurface();
         if (!settings_.seesThroughInterfaces) lightCouldSample_ = false;
         return true;

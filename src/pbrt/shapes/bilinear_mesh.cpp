@@ -132,8 +132,8 @@ Float BilinearMesh::Area(uint32_t primitive) const {
 }
 
 Normal3 BilinearMesh::OrientedNormal(uint32_t primitive, const Corners &c, const Point2 &uv) const {
-    const Normal3 n = RobustUnitCross(c.DpDu(uv.y), c.DpDv(uv.x));
-    if (mesh_.n.empty()) return flipNormal_ ? -n : n;
+    const Normal3 face = RobustUnitCross(c.DpDu(uv.y), c.DpDv(uv.x)), n = flipNormal_ ? -face : face;
+    if (mesh_.n.empty()) return n;
     return FaceForward(n, AtCorners(mesh_.n, primitive, uv));
 }
 

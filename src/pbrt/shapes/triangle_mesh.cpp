@@ -92,8 +92,8 @@ DirectionCone TriangleMesh::NormalBounds(uint32_t primitive) const {
 }
 
 Normal3 TriangleMesh::OrientedNormal(uint32_t primitive, const Corners &c, const Vector3 &b) const {
-    Normal3 n = FaceNormal(c.p0, c.p1, c.p2);
-    if (mesh_.n.empty()) return flipNormal_ ? -n : n;
+    const Normal3 face = FaceNormal(c.p0, c.p1, c.p2), n = flipNormal_ ? -face : face;
+    if (mesh_.n.empty()) return n;
     const uint32_t *v = &mesh_.indices[3 * size_t(primitive)];
     return FaceForward(n, b.x * mesh_.n[v[0]] + b.y * mesh_.n[v[1]] + b.z * mesh_.n[v[2]]);
 }

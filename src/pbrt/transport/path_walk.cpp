@@ -35,6 +35,17 @@ bool PathWalk::FindScattering(SampledWavelengths &lambda) {
     return false;
 }
 
+bool PathWalk::FindScattering(SampledWavelengths &lambda, SpectralWeights &weights) {
+    const SampledWavelengths before = lambda;
+    const bool scatters = FindScattering(lambda);
+    if (lambda.SecondaryTerminated() && !before.SecondaryTerminated() && weights.IsColoured()) {
+        lambda = before;
+        weights.EndSecondary();
+    }
+    weights.onlyFirst = lambda.SecondaryTerminated();
+    return scatters;
+}
+
 std::optional<ReachedVertex> PathWalk::NextVertex(SampledWavelengths &lambda, SpectralWeights &weights, Rng &rng) {
     return NextVertex(
         lambda, weights, [&] { return ThroughMedium(lambda, rng, weights); }, [](Met) {});

@@ -56,6 +56,9 @@ class PathWalk {
     /// Completes Vertex() with filter footprint and BSDF. Returns false for a non-scattering surface; the ray then
     /// continues behind it. May terminate secondary wavelengths.
     bool FindScattering(SampledWavelengths &lambda);
+    /// The same with media. If these have made termination more or less probable by the first wavelength, to drop the
+    /// others from contributions before would be biased: secondary wavelengths then end in `weights` only.
+    bool FindScattering(SampledWavelengths &lambda, SpectralWeights &weights);
     /// Next and FindScattering up to the next scattering surface, with media ignored. False: the path ends.
     bool NextSurface(SampledWavelengths &lambda) {
         while (Next() == Met::Surface)

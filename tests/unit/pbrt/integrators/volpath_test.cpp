@@ -99,6 +99,28 @@ TEST(VolPath, LightFromBelowASurfacePassesTheMediumAroundIt) {
     EXPECT_LT(with.StandardError(), 0.02 * expected);
 }
 
+/// Glass that light reaches by further scattering only, which the depth excludes, must not change what the fog before
+/// it scatters: paths reach it, and end the secondary wavelengths, with a probability that depends on the first one.
+TEST(VolPath, DispersionBehindColouredFogDoesNotChangeTheFog) {
+    const std::string fog = Homogeneous("'rgb sigma_a' [.02 .1 .5] 'rgb sigma_s' [.1 .5 2]", "fog");
+    const auto before = [&](const char *integrator, const std::string &eta) {
+        const std::string world = Objects()
+                                      .PointLight("0 1.5 1", "20 20 20")
+                                      .Material("dielectric", eta)
+                                      .Quad("-9 -9 -2  9 -9 -2  -9 9 -2  9 9 -2");
+        const Setting setting{.integrator = integrator,
+                              .maxDepth = 1,
+                              .samples = 32,
+                              .beforeCamera = fog + "MediumInterface 'fog' 'fog'\n"};
+        return Green(world, setting).mean;
+    };
+    for (const char *integrator : {"volpath", "bdpt"}) {
+        const double plain = before(integrator, "'float eta' 1.7");
+        EXPECT_GT(plain, 0) << integrator;
+        EXPECT_NEAR(before(integrator, "'spectrum eta' 'glass-F11'"), plain, 1e-4 * plain) << integrator;
+    }
+}
+
 TEST(VolPath, EmissionIsThatOfAGlowingSlab) {
     // Radiance of a slab of thickness 2 that absorbs and emits: Le (1 - exp(-2 sigma)).
     const std::string slab = Absorbing(.7, "m", "'rgb Le' [1 1 1] 'float Lescale' 1") + std::string(Slab(-1, 1));

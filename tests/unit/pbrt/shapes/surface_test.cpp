@@ -111,8 +111,14 @@ void ExpectSides(bool isMesh, const Vector3 &reference, const Args &...args) {
 /// handedness, too, while those of stock's quadrics flip by the flag alone.
 TEST(Orientation, FlipsByFlagXorHandednessInHitsAndSamples) {
     const Vector3 up(0, 0, 1);
-    ExpectSides<TriangleMesh>(true, up, OnePrimitive({{-1, -1, 0}, {1, -1, 0}, {0, 1, 0}}));
-    ExpectSides<BilinearMesh>(true, up, OnePrimitive({{-1, -1, 0}, {1, -1, 0}, {-1, 1, 0}, {1, 1, 0}}));
+    MeshData triangle = OnePrimitive({{-1, -1, 0}, {1, -1, 0}, {0, 1, 0}});
+    MeshData patch = OnePrimitive({{-1, -1, 0}, {1, -1, 0}, {-1, 1, 0}, {1, 1, 0}});
+    ExpectSides<TriangleMesh>(true, up, triangle);
+    ExpectSides<BilinearMesh>(true, up, patch);
+    // Vertex normals of length zero count as none.
+    for (MeshData *mesh : {&triangle, &patch}) mesh->n.assign(mesh->p.size(), Normal3(0));
+    ExpectSides<TriangleMesh>(true, up, triangle);
+    ExpectSides<BilinearMesh>(true, up, patch);
     ExpectSides<Disk>(false, up, 0.0f, 1.0f, 0.0f, 360.0f);
     ExpectSides<Sphere>(false, Normalize(Vector3(1, 2, 1)), 1.0f, -1.0f, 1.0f, 360.0f);
 }

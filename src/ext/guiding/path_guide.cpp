@@ -5,6 +5,7 @@
 #include "ext/guiding/guided_directions.h"
 #include "pbrt/core/effective_params_text.h"
 #include "pbrt/core/progress.h"
+#include "pbrt/integrators/registry.h"
 #include "pbrt/math/bounds.h"
 #include "pbrt/scene/scene.h"
 
@@ -213,3 +214,14 @@ void PathGuide::Report(nlohmann::ordered_json &json) const {
 }
 
 }  // namespace ext
+
+void register_guide(pbrt::PluginRegistry &registry) {
+    using namespace ext;
+    registry.directionSamplings.Add<GuideParams>(
+        "guide", "path guiding and learned Russian roulette, from records of the render; written octree+guide",
+        [](GuideParams p, const ParamSet &, const DirectionRequest &request) -> std::unique_ptr<DirectionSampling> {
+            if (!request.isGuided && !p.roulette) return nullptr;
+            p.directions &= request.isGuided;
+            return std::make_unique<PathGuide>(p);
+        });
+}

@@ -43,7 +43,6 @@ class LazyRows {
             values = Make(row, fill);
         return {values, length_};
     }
-    bool IsFilled(size_t row) const { return rows_[row].load(std::memory_order_acquire) != nullptr; }
 
     size_t Size() const { return count_; }
     size_t Filled() const { return filled_.load(); }

@@ -1,35 +1,26 @@
 #include "pbrt/core/counters.h"
 
-#include <list>
-#include <mutex>
+#include <oneapi/tbb/enumerable_thread_specific.h>
 
 namespace pbrt {
 namespace {
 
-std::mutex countersMutex;
-std::list<RenderCounters> allCounters;  ///< one per thread; their addresses do not change
-
-RenderCounters &AddCounters() {
-    const std::lock_guard lock(countersMutex);
-    return allCounters.emplace_back();
-}
+tbb::enumerable_thread_specific<RenderCounters> allCounters;
 
 }  // namespace
 
 RenderCounters &ThreadCounters() {
-    thread_local RenderCounters &mine = AddCounters();
+    thread_local RenderCounters &mine = allCounters.local();
     return mine;
 }
 
 RenderCounters SumCounters() {
-    const std::lock_guard lock(countersMutex);
     RenderCounters sum;
     for (const RenderCounters &c : allCounters) sum += c;
     return sum;
 }
 
 void ResetCounters() {
-    const std::lock_guard lock(countersMutex);
     for (RenderCounters &c : allCounters) c = {};
 }
 

@@ -1,7 +1,6 @@
 #pragma once
 #include <memory>
 
-#include "pbrt/core/counters.h"
 #include "pbrt/core/memory.h"
 #include "pbrt/core/parallel.h"
 #include "pbrt/core/progress.h"

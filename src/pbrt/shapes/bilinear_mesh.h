@@ -19,9 +19,6 @@ class BilinearMesh final : public Mesh {
     std::optional<PrimitiveHit> Intersect(uint32_t primitive, const Ray &ray, Float tMin) const override;
     PrimitiveHit Completed(uint32_t primitive, const PrimitiveHit &hit, const Ray &ray) const override;
     SurfacePoint Surface(uint32_t primitive, const PrimitiveHit &hit) const override;
-    SurfacePoint SurfaceOnRay(uint32_t primitive, const PrimitiveHit &hit, const Ray &ray) const override {
-        return SurfaceInInstance(primitive, hit, ray, Vector3(hit.t * MaxComponent(Abs(ray.d))));
-    }
     SurfacePoint SurfaceInInstance(uint32_t primitive, const PrimitiveHit &hit, const Ray &ray,
                                    const Vector3 &distance) const override;
     Point2 Uv(uint32_t primitive, const PrimitiveHit &hit) const override;

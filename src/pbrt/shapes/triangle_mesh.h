@@ -72,6 +72,9 @@ class Mesh : public Shape {
     /// the ball around the ray's origin that reaches the hit.
     virtual SurfacePoint SurfaceInInstance(uint32_t primitive, const PrimitiveHit &hit, const Ray &ray,
                                            const Vector3 &distance) const = 0;
+    SurfacePoint SurfaceOnRay(uint32_t primitive, const PrimitiveHit &hit, const Ray &ray) const final {
+        return SurfaceInInstance(primitive, hit, ray, Vector3(hit.t * MaxComponent(Abs(ray.d))));
+    }
     bool IsInPlane(uint32_t primitive, const Point3 &p, const Vector3 &pError) const final;
 
   protected:
@@ -94,9 +97,6 @@ class TriangleMesh final : public Mesh {
     std::optional<PrimitiveHit> Intersect(uint32_t primitive, const Ray &ray, Float tMin) const override;
     PrimitiveHit Completed(uint32_t primitive, const PrimitiveHit &hit, const Ray &ray) const override;
     SurfacePoint Surface(uint32_t primitive, const PrimitiveHit &hit) const override;
-    SurfacePoint SurfaceOnRay(uint32_t primitive, const PrimitiveHit &hit, const Ray &ray) const override {
-        return SurfaceInInstance(primitive, hit, ray, Vector3(hit.t * MaxComponent(Abs(ray.d))));
-    }
     SurfacePoint SurfaceInInstance(uint32_t primitive, const PrimitiveHit &hit, const Ray &ray,
                                    const Vector3 &distance) const override;
     Point2 Uv(uint32_t primitive, const PrimitiveHit &hit) const override;

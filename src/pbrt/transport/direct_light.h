@@ -1,5 +1,4 @@
 #pragma once
-#include "pbrt/core/counters.h"
 #include "pbrt/lightsamplers/light_sampler.h"
 #include "pbrt/math/warps.h"
 #include "pbrt/transport/shadow_transmittance.h"

@@ -24,8 +24,6 @@ struct SpectralWeights {
     }
     /// Updates rl for a sampled scattering direction (density by solid angle) that light sampling could replace.
     void SampledDirection(Float pdf) { rl = ru / pdf; }
-    /// True if the density depends on which wavelength is first.
-    bool IsColoured() const { return ru.MinComponent() != ru.MaxComponent(); }
     /// From here on, only the first wavelength could have sampled the path.
     void EndSecondary() {
         for (int i = 1; i < SpectrumSamples; ++i) beta[i] = ru[i] = rl[i] = 0;

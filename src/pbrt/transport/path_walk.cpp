@@ -38,7 +38,8 @@ bool PathWalk::FindScattering(SampledWavelengths &lambda) {
 bool PathWalk::FindScattering(SampledWavelengths &lambda, SpectralWeights &weights) {
     const SampledWavelengths before = lambda;
     const bool scatters = FindScattering(lambda);
-    if (lambda.SecondaryTerminated() && !before.SecondaryTerminated() && weights.IsColoured()) {
+    const bool dependsOnFirst = weights.ru.MinComponent() != weights.ru.MaxComponent();
+    if (lambda.SecondaryTerminated() && !before.SecondaryTerminated() && dependsOnFirst) {
         lambda = before;
         weights.EndSecondary();
     }

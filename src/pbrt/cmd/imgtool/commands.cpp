@@ -15,15 +15,13 @@ std::vector<std::string> FindImages(const std::vector<std::string> &names, const
                                                     ".gif", ".tif", ".tiff", ".ppm", ".pgm", ".pnm",  ".psd", ".qoi"};
     std::error_code code;
     std::vector<std::string> files;
-    const auto isLeftOut = [&](const fs::path &file) {
-        return std::ranges::any_of(except, [&](const std::string &e) { return fs::equivalent(file, e, code); });
-    };
     auto add = [&](const std::string &file) {
-        if (std::ranges::count(files, file) == 0) files.push_back(file);
+        const auto isFile = [&](const std::string &e) { return fs::equivalent(file, e, code); };
+        if (std::ranges::count(files, file) == 0 && std::ranges::none_of(except, isFile)) files.push_back(file);
     };
     for (const std::string &name : names) {
         if (fs::is_regular_file(name, code)) {
-            if (!isLeftOut(name)) add(name);
+            add(name);
             continue;
         }
         const fs::path path(name);
@@ -36,8 +34,8 @@ std::vector<std::string> FindImages(const std::vector<std::string> &names, const
             const bool fits = isPattern
                                   ? fnmatch(last.c_str(), here.c_str(), FNM_PERIOD) == 0
                                   : here.starts_with(last) && std::ranges::count(kKnown, LowerExtension(here)) > 0;
-            if (!fits || !entry.is_regular_file(code) || isLeftOut(entry.path())) continue;
-            found.push_back(path.has_parent_path() ? entry.path().string() : here);
+            if (fits && entry.is_regular_file(code))
+                found.push_back(path.has_parent_path() ? entry.path().string() : here);
         }
         if (found.empty())
             throw UserError(isPattern

@@ -363,15 +363,13 @@ class RenderJob {
 
     void LogNoise(const RenderResult &result) const {
         if (!result.adaptive) return;
-        if (options_.noise > 0 && !result.adaptive->noise)
-            LogWarning("--noise {} was not reached: no estimate with {} per pixel; raise --spp or --time.",
-                       options_.noise, CountText(result.samplesTaken, "sample"));
-        if (!result.adaptive->noise) return;
-        const double noise = *result.adaptive->noise;
-        LogInfo("Estimated noise: {:.4f}.", noise);
-        if (options_.noise > 0 && noise > options_.noise)
-            LogWarning("--noise {} was not reached: it takes about {:.0f} samples per pixel; raise --spp or --time.",
-                       options_.noise, SamplesForNoise(result.samplesTaken, noise, options_.noise));
+        const std::optional<double> &noise = result.adaptive->noise;
+        if (noise) LogInfo("Estimated noise: {:.4f}.", *noise);
+        if (options_.noise > 0 && (!noise || *noise > options_.noise))
+            LogWarning("--noise {} was not reached: {}; raise --spp or --time.", options_.noise,
+                       noise ? fmt::format("it takes about {:.0f} samples per pixel",
+                                           SamplesForNoise(result.samplesTaken, *noise, options_.noise))
+                             : "there are too few samples for an estimate");
     }
 
     void LogCheckpoint(const RenderResult &result) const {

@@ -84,9 +84,9 @@ std::optional<GroupLightSampler::ChosenGroup> VisibilityOctreeLightSampler::Choo
     const auto chosen = ChooseByWeight<Float>(c.totalCount, u, [&](uint32_t i) { return c.Probability(i); });
     if (!chosen) return {};
     const Float pmf = chosen.weight;
-    const Float inner = LightGroups::InnerNumber(u, query.p, (chosen.before + pmf) - pmf, pmf);
     if (chosen.index >= c.localCount)
-        return ChosenGroup{portals_.GroupOf(chosen.index - c.localCount), pmf, inner, 0, 0};
+        return ChosenGroup{portals_.GroupOf(chosen.index - c.localCount), pmf, 0, 0, 0};  // regions need no number
+    const Float inner = LightGroups::InnerNumber(u, query.p, (chosen.before + pmf) - pmf, pmf);
     const auto group = [&](uint32_t g, Float probability, Float number, Float unoccluded) {
         return ChosenGroup{g, probability, number, unoccluded, unoccluded / (c.localG * probability)};
     };

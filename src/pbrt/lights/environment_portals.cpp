@@ -72,7 +72,7 @@ PortalMap PortalMap::Integrate(const EnvironmentLight &light, const Frame &frame
         weights[i] = std::max(mean, kBesidePixel * max);
         if (max > kContrast * mean && double(weights[i]) > kDividedShare * sum) {
             divided.push_back(i);
-            map.detailOf_[i] = uint32_t(divided.size());
+            map.detailOf_[i] = uint16_t(divided.size());
         }
     }
     map.details_.resize(divided.size());
@@ -108,9 +108,10 @@ Float PortalMap::DividedPixel::Sum() const {
 
 std::optional<PortalMap::DividedPixel> PortalMap::DividedPixelAt(const Point2 &st, const Bounds2 &window,
                                                                  Point2 *pixel) const {
+    if (details_.empty()) return {};
     const auto n = Float(kSide);
     const Point2i at = glm::clamp(Point2i(st * n), Point2i(0), Point2i(kSide - 1));
-    const uint32_t detail = detailOf_[size_t(at.y) * kSide + at.x];
+    const uint16_t detail = detailOf_[size_t(at.y) * kSide + at.x];
     if (detail == 0) return {};
     *pixel = Point2(at);
     const auto inParts = [&](const Point2 &p) {
@@ -188,7 +189,7 @@ Float PortalMap::DirectionPdf(const Vector3 &local, const Bounds2 &window) const
 }
 
 size_t PortalMap::Bytes() const {
-    return pixels_.Bytes() + detailOf_.capacity() * sizeof(uint32_t) + details_.capacity() * sizeof(Detail);
+    return pixels_.Bytes() + detailOf_.capacity() * sizeof(uint16_t) + details_.capacity() * sizeof(Detail);
 }
 
 std::optional<std::string> Portal::Validate() const {

@@ -74,7 +74,7 @@ class PortalMap {
     std::optional<DividedPixel> DividedPixelAt(const Point2 &st, const Bounds2 &window, Point2 *pixel) const;
 
     WindowedPiecewiseConstant2D pixels_;
-    std::vector<uint32_t> detailOf_;  ///< per pixel: index in details_ + 1; 0: none
+    std::vector<uint16_t> detailOf_;  ///< per pixel: index in details_ + 1; 0: none
     std::vector<Detail> details_;
 };
 

@@ -18,25 +18,16 @@ struct Piece {
     double low, high;  ///< values at both ends
 };
 
-/// The piece within [from, to] that contains the target; `start` and `rise`: value at `from` and increase up to `to`.
-/// Interpolation finds it in a few steps where the function is nearly linear; every second step bisects.
-Piece FindPiece(double target, double from, double to, double start, double rise, int n, auto atWhole) {
-    int low = std::min(int(from), n - 1), high = std::min(int(to), n - 1);
-    const int last = high;
-    double x0 = from, x1 = to, y0 = start, y1 = start + rise;
-    for (bool bisects = false; low <= high; bisects = !bisects) {
-        const double x = bisects || !(y1 > y0) ? (x0 + x1) / 2 : x0 + (target - y0) / (y1 - y0) * (x1 - x0);
-        const int i = std::clamp(int(x), low, high);
-        const Piece piece{i, atWhole(i), atWhole(i + 1)};
-        if (!(piece.high > target)) {
-            low = piece.at + 1, x0 = low, y0 = piece.high;
-        } else if (piece.low > target && piece.at > low) {
-            high = piece.at - 1, x1 = piece.at, y1 = piece.low;
-        } else {
-            return piece;
-        }
+/// The first piece within [from, to] whose upper end exceeds the target, else the last. Branchless, as the target is
+/// random.
+Piece FindPiece(double target, double from, double to, int n, auto atWhole) {
+    int at = std::min(int(from), n - 1);
+    for (int left = std::min(int(to), n - 1) - at; left > 0;) {
+        const int half = (left + 1) / 2;
+        at = atWhole(at + half) <= target ? at + half : at;
+        left -= half;
     }
-    return {last, atWhole(last), atWhole(last + 1)};
+    return {at, atWhole(at), atWhole(at + 1)};
 }
 
 /// Inverts a non-decreasing function of that kind: x where it reaches the fraction u of its increase over [from, to].
@@ -47,7 +38,7 @@ bool Invert(double u, double from, double to, int n, auto atWhole, double *x, in
     *risen = rise;
     if (!(rise > 0)) return false;
     const double target = start + u * rise;
-    const auto [at, a, b] = FindPiece(target, from, to, start, rise, n, atWhole);
+    const auto [at, a, b] = FindPiece(target, from, to, n, atWhole);
     if (!(b > a)) return false;
     *piece = at;
     *x = std::clamp(at + (target - a) / (b - a), std::max(from, double(at)), std::min(to, double(at) + 1));

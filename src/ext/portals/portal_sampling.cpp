@@ -213,12 +213,13 @@ void PortalSampling::Evaluate(const LightQuery &query, const Environment &e, Flo
 }
 
 double PortalSampling::CostPerVertex(const Scene &scene) const {
-    // Constants from profiles (perf) of blinds, sunny-room, corridor, dining-room and classroom, with 1 to 5 portals:
-    // the cost of a vertex grows with the number of primitives; that of portals does not, and hardly with their number.
+    // Fitted to CPU times of blinds, sunny-room, corridor, dining-room and classroom with 1 to 5 portals
+    // (docs/measured/choices): the cost of a vertex grows with the number of primitives; that of portals does not, and
+    // hardly with their number.
     double primitives = 0;
     for (uint32_t i = 0; i < scene.ShapeCount(); ++i) primitives += scene.ShapeOf(ShapeId(i)).PrimitiveCount();
     const double vertex = 1 + 0.08 * std::max(std::log2(primitives / 500), 0.0);
-    return (0.42 + 0.03 * double(count_)) * double(environments_.size()) / vertex;
+    return (0.7 + 0.03 * double(count_)) * double(environments_.size()) / vertex;
 }
 
 bool PortalSampling::EndTrial(const TrialRatio &result) {

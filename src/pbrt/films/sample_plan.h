@@ -24,7 +24,6 @@ class PixelCells {
         const Point2i p = pixel - pixels_.low;
         return Index(p.x / kSize, p.y / kSize, (p.x + p.y) % 2);
     }
-    static size_t ColorOf(size_t cell) { return cell % 2; }
     /// The cell of the other colour in the same square.
     static size_t Other(size_t cell) { return cell ^ 1; }
     /// May be zero.

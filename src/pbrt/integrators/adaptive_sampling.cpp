@@ -121,10 +121,9 @@ class CellWork {
     bool AreEqual() const { return std::ranges::adjacent_find(before_, std::not_equal_to<>()) == before_.end(); }
 
     /// Samples per pixel to add to each cell for `end` on average: towards a distribution in proportion to the square
-    /// root of variance over cost, with at most `maxGrowth` times the samples of a cell, in colours that `grow`. Zero
-    /// variances: towards equal numbers.
-    std::vector<double> Added(const std::vector<double> &variance, int end, int maxGrowth,
-                              std::array<bool, 2> grow = {true, true}) const {
+    /// root of variance over cost, with at most `maxGrowth` times the samples of a cell. Zero variances: towards equal
+    /// numbers.
+    std::vector<double> Added(const std::vector<double> &variance, int end, int maxGrowth) const {
         std::vector<double> wanted(variance.size());
         double area = 0, sum = 0;
         for (size_t i = 0; i < wanted.size(); ++i) {
@@ -134,7 +133,6 @@ class CellWork {
         }
         for (double &w : wanted) w = sum > 0 ? w + kUniformShare * sum / area : 1;
         const auto maxAdded = [&](size_t i) {
-            if (!grow[PixelCells::ColorOf(i)]) return 0.0;
             return std::min(double(maxGrowth) * before_[i], double(SamplePlan::kMaxCount)) - before_[i];
         };
         double largest = 0, budget = 0;
@@ -215,18 +213,14 @@ std::optional<NoiseEstimate> EstimateNoise(const Film &film, const Film &half, c
     };
     NoiseEstimate estimate;
     std::vector<double> pixels(cells.Count()), sums, limited;
-    std::array<double, 2> pixelsOfColor{};
+    double allPixels = 0;
     for (size_t i = 0; i < cells.Count(); ++i) {
         cells.ForPixels(i, [&](Point2i pixel) { pixels[i] += counts(pixel); });
         sums.push_back(sumOf(i, Infinity));
-        pixelsOfColor[PixelCells::ColorOf(i)] += pixels[i];
+        estimate.relL2 += sums[i] / halves.counts[i];
+        allPixels += pixels[i];
     }
-    for (size_t i = 0; i < cells.Count(); ++i) {
-        const size_t other = PixelCells::Other(i), from = pixels[other] > 0 ? other : i;
-        const double error = pixels[i] * RatioOrZero(sums[from], pixels[from]) / halves.counts[i];
-        estimate.relL2 += error / (pixelsOfColor[0] + pixelsOfColor[1]);
-        estimate.relL2OfColor[PixelCells::ColorOf(i)] += RatioOrZero(error, pixelsOfColor[PixelCells::ColorOf(i)]);
-    }
+    estimate.relL2 /= allPixels;
     const std::vector<double> pixelsAround = WithNeighbours(cells, pixels), sumsAround = WithNeighbours(cells, sums);
     for (size_t i = 0; i < cells.Count(); ++i)
         limited.push_back(sumOf(i, kMaxOutlier * RatioOrZero(sumsAround[i], pixelsAround[i])));
@@ -256,27 +250,10 @@ int NextDecision(int done, int planned) {
 
 double SamplesForNoise(int done, double estimated, double wanted) { return done * Sqr(estimated / wanted); }
 
-NoiseGoal CompareWithGoal(const PixelCells &cells, const SamplePlan &plan, const NoiseEstimate &estimate, int done,
-                          double wanted) {
-    NoiseGoal goal;
-    double pixels = 0, missed = 0;
-    for (size_t i = 0; i < cells.Count(); ++i) {
-        const size_t color = PixelCells::ColorOf(i);
-        const double missing = estimate.relL2OfColor[color] / Sqr(wanted);
-        goal.isMissed[color] = missing > 1;
-        goal.samples += cells.PixelsIn(i) * plan.CountAt(i, done) * std::max(1.0, missing);
-        pixels += cells.PixelsIn(i);
-        if (missing > 1) missed += cells.PixelsIn(i);
-    }
-    goal.samples /= pixels;
-    if (missed > 0) goal.missedShare = missed / pixels;
-    return goal;
-}
-
 SamplePlan AllocateSamples(const PixelCells &cells, const SamplePlan &last, const std::vector<double> &variance,
-                           int begin, int end, std::array<bool, 2> grow) {
+                           int begin, int end) {
     const CellWork work(cells, last, begin);
-    const std::vector<double> added = work.Added(variance, end, SamplePlan::kMaxGrowth, grow);
+    const std::vector<double> added = work.Added(variance, end, SamplePlan::kMaxGrowth);
     SamplePlan plan = last;
     plan.begin = begin;
     plan.end = end;
@@ -311,7 +288,7 @@ double PredictGain(const PixelCells &cells, const SamplePlan &last, const NoiseE
 }
 
 SamplePlan PlanSamples(const PixelCells &cells, const SamplePlan &last, const NoiseEstimate &estimate, int begin,
-                       int end, int horizon, std::array<bool, 2> grow) {
+                       int end, int horizon) {
     SamplePlan plan = last;
     // A decision that is made again, of a resumed render, counts once.
     const bool isAgain = last.decisions > 0 && last.begin == begin;
@@ -320,9 +297,8 @@ SamplePlan PlanSamples(const PixelCells &cells, const SamplePlan &last, const No
     plan.isUniform = !(plan.gain > (areEqual ? SamplePlan::kMinGain : SamplePlan::kMinFurtherGain));
     plan.decisions += isAgain ? 0 : 1;
     plan.uniformDecisions += int(plan.isUniform) - int(isAgain && last.isUniform);
-    if (!plan.isUniform) return AllocateSamples(cells, plan, estimate.others, begin, end, grow);
-    if (!areEqual || grow[0] != grow[1])
-        return AllocateSamples(cells, plan, std::vector<double>(cells.Count()), begin, end, grow);
+    if (!plan.isUniform) return AllocateSamples(cells, plan, estimate.others, begin, end);
+    if (!areEqual) return AllocateSamples(cells, plan, std::vector<double>(cells.Count()), begin, end);
     plan.begin = begin;
     plan.end = end;
     plan.before.clear();

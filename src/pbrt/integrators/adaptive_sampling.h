@@ -1,5 +1,4 @@
 #pragma once
-#include <array>
 #include <optional>
 #include <vector>
 
@@ -17,9 +16,6 @@ namespace pbrt {
 
 struct NoiseEstimate {
     double relL2 = 0;  ///< expected error of the image (Metric::RelL2) against a noise-free reference
-    /// The same of the pixels of each colour of the checkerboard (PixelCells), from the variance of the other colour:
-    /// a number of samples that stops at a pixel's own noise would bias it, as bright samples delay the stop.
-    std::array<double, 2> relL2OfColor{};
     /// Variance of one sample by cell, in relL2, outliers limited: `own` of the cell's pixels, 0 without pixels;
     /// `others` of the other colour, smoothed over neighbours. A cell's numbers of samples follow `others`, which are
     /// independent of its pixels: numbers that follow a pixel's own samples would bias it.
@@ -40,22 +36,13 @@ int PilotSamples(int planned, int halfBlock);
 int NextDecision(int done, int planned);
 /// Average samples per pixel for this noise, extrapolated by the inverse square root.
 double SamplesForNoise(int done, double estimated, double wanted);
-/// The same by colour of the checkerboard (NoiseEstimate::relL2OfColor).
-struct NoiseGoal {
-    std::array<bool, 2> isMissed{};  ///< more samples are needed
-    double samples = 0;              ///< enough, per pixel on average
-    /// Fraction of the pixels that need samples; 1 if none does.
-    double missedShare = 1;
-};
-NoiseGoal CompareWithGoal(const PixelCells &cells, const SamplePlan &plan, const NoiseEstimate &estimate, int done,
-                          double wanted);
 
 /// Distributes the samples from `begin` to `end` per pixel on average: a cell gets samples in proportion to the square
 /// root of its variance over its cost, counting those it has, which minimises relL2 times cost. All cells keep a small
 /// share, and none gets more than four times the samples it has. `last`: plan up to `begin`. Adds multiples of
-/// SamplePlan::Group, to cells of the colours that `grow`.
+/// SamplePlan::Group.
 SamplePlan AllocateSamples(const PixelCells &cells, const SamplePlan &last, const std::vector<double> &variance,
-                           int begin, int end, std::array<bool, 2> grow = {true, true});
+                           int begin, int end);
 
 /// Predicted efficiency (the inverse of relL2 times cost) at `end` samples per pixel on average of the distribution
 /// that AllocateSamples approaches over equal numbers, both as far as the samples taken permit. Planned by
@@ -65,10 +52,9 @@ double PredictGain(const PixelCells &cells, const SamplePlan &last, const NoiseE
 
 /// Plan from `begin` to `end`: by AllocateSamples if PredictGain at `horizon`, the presumed end of the render, exceeds
 /// SamplePlan::kMinGain or kMinFurtherGain; otherwise towards equal numbers. As long as these are equal, the samples
-/// are those of a render that is not adaptive, unless the halves have independent sample sets. Only colours that `grow`
-/// get samples.
+/// are those of a render that is not adaptive, unless the halves have independent sample sets.
 SamplePlan PlanSamples(const PixelCells &cells, const SamplePlan &last, const NoiseEstimate &estimate, int begin,
-                       int end, int horizon, std::array<bool, 2> grow = {true, true});
+                       int end, int horizon);
 
 /// State of an adaptive render, for reports.
 struct AdaptiveResult {

@@ -63,7 +63,7 @@ class WaveRenderer {
         }
         Send(Command::Plan);
     }
-    /// Noise of the noisier colour (NoiseEstimate::relL2OfColor), estimated by the last decision of this object.
+    /// Noise estimated by the last decision of this object.
     const std::optional<double> &Noise() const { return noise_; }
     int Done() const { return position_.done; }
     const RenderPosition &Position() const { return position_; }
@@ -125,20 +125,16 @@ class WaveRenderer {
     /// Of the gathered films.
     void Decide() {
         SamplePlan &plan = position_.plan;
-        const PixelCells cells(context_.film.PixelBounds());
         const NoiseEstimate estimate = EstimateNoise(context_.film, *context_.half, plan, Done()).value();
-        noise_ = std::sqrt(std::ranges::max(estimate.relL2OfColor));
+        noise_ = std::sqrt(estimate.relL2);
         int end = NextDecision(Done(), settings_.samplesPerPixel);
         int horizon = std::max(end, settings_.samplesPerPixel);
-        std::array<bool, 2> grow = {true, true};
         if (settings_.noise > 0) {
-            const NoiseGoal goal = CompareWithGoal(cells, plan, estimate, Done(), settings_.noise);
-            if (goal.missedShare < 1) grow = goal.isMissed;
-            const double most = Done() + std::ceil((end - Done()) * goal.missedShare), enough = std::ceil(goal.samples);
-            end = int(std::clamp(enough, std::min(Done() + std::ceil(2 * goal.missedShare), most), most));
-            horizon = int(std::clamp(enough, double(end), double(std::max(end, horizon))));
+            const double enough = std::ceil(SamplesForNoise(Done(), *noise_, settings_.noise));
+            end = int(std::clamp(enough, std::min(Done() + 2.0, double(end)), double(end)));
+            horizon = int(std::clamp(enough, double(end), double(horizon)));
         }
-        plan = PlanSamples(cells, plan, estimate, Done(), end, horizon, grow);
+        plan = PlanSamples(PixelCells(context_.film.PixelBounds()), plan, estimate, Done(), end, horizon);
     }
     bool RenderPassOf(int size) {
         const int batch = settings_.samplesPerPixel;

@@ -32,8 +32,8 @@ struct FilmParams {
 
     void Describe(auto &&v) {
         v("filename", filename, "image file; --outfile overrides it");
-        v("xresolution", xResolution, Range<int>{1, 1 << 20, false, false, "pixels"}, "width");
-        v("yresolution", yResolution, Range<int>{1, 1 << 20, false, false, "pixels"}, "height");
+        v("xresolution", xResolution, Range<int>{1, kMaxImageSide, false, false, "pixels"}, "width");
+        v("yresolution", yResolution, Range<int>{1, kMaxImageSide, false, false, "pixels"}, "height");
         v("cropwindow", cropWindow, "rendered x0 x1 y0 y1 as fractions; overridden by --cropwindow, --pixelbounds");
         v("pixelbounds", pixelBounds, "rendered x0 x1 y0 y1 in pixels; overridden by cropwindow");
         v("diagonal", diagonalMm, Positive(1e6f, "mm"), "film diagonal, for realistic cameras");

@@ -140,7 +140,7 @@ void WarnOfParts(const std::string &path) {
 ImageFile ReadExr(const std::string &path) {
     // Must be set before OpenEXR reads a header, because it allocates the header's sizes.
     static std::once_flag limited;
-    std::call_once(limited, Imf::Header::setMaxImageSize, 1 << 20, 1 << 20);
+    std::call_once(limited, Imf::Header::setMaxImageSize, kMaxImageSide, kMaxImageSide);
     Imf::InputFile file(path.c_str());
     if (Imf::isMultiPart(file.version())) WarnOfParts(path);
     const Imf::Header &header = file.header();

@@ -15,7 +15,8 @@
 namespace pbrt {
 
 enum class PixelFormat { U8, Half, Float };
-inline constexpr Float kMaxHalf = 65504;  ///< largest finite half
+inline constexpr Float kMaxHalf = 65504;       ///< largest finite half
+inline constexpr int kMaxImageSide = 1 << 20;  ///< largest width and height of a film or an image file, in pixels
 
 /// Encoding of stored 8/16-bit values (pbrt-v4-format §8, §14).
 struct ColorEncoding {

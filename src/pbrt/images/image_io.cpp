@@ -56,8 +56,6 @@ Image ForPlainFormat(const std::string &path, const Image &image, const ImageMet
     return result;
 }
 
-constexpr int64_t kMaxExtent = 1 << 20;  // largest width and height of an input image, in pixels
-
 }  // namespace
 
 namespace formats {
@@ -67,9 +65,9 @@ void CheckSize(const std::string &path, int64_t width, int64_t height, int64_t c
     if (width < 1 || height < 1 || channels < 1)
         throw UserError("{}: the header has {} x {} pixels of {} channels, which is no image.", path, width, height,
                         channels);
-    if (width > kMaxExtent || height > kMaxExtent)
+    if (width > kMaxImageSide || height > kMaxImageSide)
         throw UserError("{}: the header has {} x {} pixels; images have at most {} in each direction.", path, width,
-                        height, kMaxExtent);
+                        height, kMaxImageSide);
     const double bytes = double(width) * double(height) * double(channels) * double(bytesPerValue);
     const std::string what =
         fmt::format("{}: the header has {} x {} pixels of {} channels, which", path, width, height, channels);

@@ -83,7 +83,7 @@ Float ExhaustiveLightSampler::GroupProbability(const LightQuery &query, const vo
 }
 
 void ExhaustiveLightSampler::Report(nlohmann::ordered_json &json) const {
-    json["bytes"] = packets_.capacity() * sizeof(LightPacket<kLanes>) +
+    json["bytes"] = packets_.capacity() * sizeof(LightPacket) +
                     (lights_.capacity() + position_.capacity()) * sizeof(uint32_t) + infinite_.Bytes();
     GroupLightSampler::Report(json);
 }

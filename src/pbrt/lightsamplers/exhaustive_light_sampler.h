@@ -5,13 +5,13 @@
 
 namespace pbrt {
 
-/// N lights as structure of arrays, with joint importance evaluation. Unset lanes have importance 0.
-template <int N>
-struct alignas(4 * N) LightPacket {
-    Float centerX[N] = {}, centerY[N] = {}, centerZ[N] = {}, radius[N] = {};
-    Float axisX[N] = {}, axisY[N] = {}, axisZ[N] = {}, phi[N] = {};
-    Float cosO[N] = {}, sinO[N] = {}, cosE[N] = {};
-    Float twoSided[N] = {};  ///< 0 or 1
+/// kLanes lights as structure of arrays, with joint importance evaluation. Unset lanes have importance 0.
+struct alignas(32) LightPacket {
+    static constexpr int kLanes = 8;
+    Float centerX[kLanes] = {}, centerY[kLanes] = {}, centerZ[kLanes] = {}, radius[kLanes] = {};
+    Float axisX[kLanes] = {}, axisY[kLanes] = {}, axisZ[kLanes] = {}, phi[kLanes] = {};
+    Float cosO[kLanes] = {}, sinO[kLanes] = {}, cosE[kLanes] = {};
+    Float twoSided[kLanes] = {};  ///< 0 or 1
 
     void Set(int lane, const LightSphere &s) {
         centerX[lane] = s.center.x;
@@ -29,7 +29,7 @@ struct alignas(4 * N) LightPacket {
     }
 
     void Importances(const Point3 &p, const Normal3 &n, Float *out) const {
-        using Ops = SimdOps<N>;
+        using Ops = SimdOps<kLanes>;
         using F = typename Ops::F;
         auto load = [](const Float *v) { return Ops::Load(v); };
         detail::Emitters<F, typename Ops::Mask> e{
@@ -50,7 +50,7 @@ class ExhaustiveLightSampler final : public GroupLightSampler {
     void Report(nlohmann::ordered_json &json) const override;
 
   private:
-    static constexpr size_t kLanes = 8;
+    static constexpr size_t kLanes = LightPacket::kLanes;
     static constexpr size_t kBlocks = 64;
     /// Sums of importance per block of packets, and total.
     struct Sums {
@@ -67,7 +67,7 @@ class ExhaustiveLightSampler final : public GroupLightSampler {
         return scratch;
     }
 
-    std::vector<LightPacket<kLanes>> packets_;
+    std::vector<LightPacket> packets_;
     std::vector<uint32_t> lights_;    ///< group of each lane, over all packets
     std::vector<uint32_t> position_;  ///< lane of each group, or kNever
     static constexpr uint32_t kNever = 0xffffffff;

@@ -90,7 +90,7 @@ int Convert(const ConvertOptions &o) {
     }
     if (o.repeat > 1) {
         const Point2i size = image.Resolution();
-        if (int64_t(std::max(size.x, size.y)) * o.repeat > (1 << 20))
+        if (int64_t(std::max(size.x, size.y)) * o.repeat > kMaxImageSide)
             throw UserError("--repeatpix {}: the image becomes too large.", o.repeat);
         RequireMemory(
             double(image.Bytes()) * Sqr(double(o.repeat)),

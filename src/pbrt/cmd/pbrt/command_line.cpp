@@ -125,7 +125,7 @@ void AddAllFlags(CLI::App &app, const PluginRegistry &registry, CommandLine &o, 
              .Count(4)
              .Type("x0,x1,y0,y1"),
          Flag("--pixelbounds", raw.bounds, "render only x0,x1,y0,y1, in pixels").Count(4).Type("x0,x1,y0,y1"),
-         Flag("--pixel", raw.pixel, "render only the pixel x,y", ValidRange{0, 1 << 20}).Count(2).Type("x,y"),
+         Flag("--pixel", raw.pixel, "render only the pixel x,y", ValidRange{0, kMaxImageSide}).Count(2).Type("x,y"),
          {"--outfile", build.film.filename, "image to write (.exr, .png, .pfm); overrides the scene's film filename"},
          Flag("--aov", build.film.aovs,
               fmt::format(

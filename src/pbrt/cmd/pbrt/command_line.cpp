@@ -260,6 +260,8 @@ std::optional<int> ParseCommandLine(int argc, const char *const *argv, const Plu
     const std::optional<int> status = ParseFlags(app, CanonicalFlags(app, argc, argv), StockFlags(), [&] {
         if (o.build.mseReferenceImage.empty() != o.build.mseReferenceOut.empty())
             throw CLI::ValidationError("--mse-reference-image and --mse-reference-out go together");
+        if (!raw.crop.empty() + !raw.bounds.empty() + !raw.pixel.empty() > 1)
+            throw CLI::ValidationError("--cropwindow, --pixelbounds and --pixel exclude each other");
         if (!raw.samples.empty()) o.samples = ParseSamples(raw.samples);
         CheckKeeping(o);
         if (!o.displayServer.empty() && SplitServer(o.displayServer).first.empty())

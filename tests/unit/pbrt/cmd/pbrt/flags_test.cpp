@@ -2,6 +2,7 @@
 #include <regex>
 
 #include "pbrt/core/progress.h"
+#include "pbrt/films/render_file.h"
 #include "program.h"
 
 namespace pbrt::test {
@@ -38,6 +39,17 @@ TEST_F(Flags, UnknownFlagsAndBadValuesAreErrors) {
                   {"--mse-reference-out mse.txt scene.pbrt", {"--mse-reference-image"}},
                   {"--integrator pahtt scene.pbrt", {"Error: --integrator:1:0: ", "\"pahtt\"", "simplepath", "^"}},
                   {"--cropwindow 0.5,0.5,0,1 scene.pbrt", {"command line: No pixel is left"}}});
+}
+
+TEST_F(Flags, NumbersWithLeadingZerosAreDecimal) {
+    RunWell("--spp 010 --seed -011 --pixel 07,010 --outfile out.exr scene.pbrt");
+    const ImageFile file = ReadImage(Path("out.exr"));
+    EXPECT_EQ(IntOf(file, "samplesPerPixel"), 10);
+    EXPECT_EQ(IntOf(file, "pbrt.seed"), -11);
+    EXPECT_EQ(file.metadata.pixelBounds, (Bounds2i{{7, 10}, {8, 11}}));
+    RunWell("--spp 16 --samples 008:010 --checkpoint part.chk scene.pbrt");
+    EXPECT_EQ(RenderFile(Path("part.chk")).Head().first, 8);
+    EXPECT_EQ(RenderFile(Path("part.chk")).Head().end, 10);
 }
 
 TEST_F(Flags, NumbersAreFiniteAndTextsNotEmpty) {

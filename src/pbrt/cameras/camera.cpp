@@ -99,12 +99,15 @@ std::vector<LensElement> ReadLens(const RealisticParams &p, const ParamSet &set,
         if (e.IsStop()) {
             const Float radius = p.diameter / 2000;
             if (radius > e.apertureRadius)
-                set.Warn(
-                    context.sink, "aperturediameter",
-                    fmt::format("\"aperturediameter\" is {} mm, but the stop opens to at most {} mm, which is used.",
-                                p.diameter, e.apertureRadius * 2000));
+                set.Warn(context.sink, "aperturediameter",
+                         fmt::format("\"aperturediameter\" is {:g} mm; the stop opens to {:g} mm only, which is used.",
+                                     p.diameter, e.apertureRadius * 2000));
             e.apertureRadius = std::min(e.apertureRadius, radius);
         }
+    if (std::ranges::none_of(elements, &LensElement::IsStop))
+        for (const char *name : {"aperturediameter", "aperture"})
+            if (set.Has(name))
+                set.Warn(context.sink, name, fmt::format("\"{}\" has no effect: the lens has no stop.", name));
     const std::optional<double> thickness = FocusedThickness(elements, double(p.distance));
     if (!thickness)
         throw set.Error("focusdistance", "this lens cannot focus at a distance of {} m from the film.", p.distance);

@@ -24,7 +24,16 @@ struct ValidRange {
 };
 inline constexpr ValidRange PositiveNumber{.low = 0, .openLow = true}, NonNegativeNumber{.low = 0};
 
-/// Validator of numbers of type T. CLI11's accept NaN, or print the largest double as a bound.
+/// Reads a number after dropping leading zeros, which mean octal integers to CLI11.
+template <class T>
+bool ReadNumber(std::string &text, T &value) {
+    const size_t first = text.find_first_not_of("+-");
+    while (first < text.size() && text[first] == '0' && std::isdigit(static_cast<unsigned char>(text[first + 1])))
+        text.erase(first, 1);
+    return CLI::detail::lexical_cast(text, value);
+}
+
+/// Validator of numbers of type T; drops leading zeros. CLI11's accept NaN, or print the largest double as a bound.
 template <class T>
 CLI::Validator NumberCheck(ValidRange range) {
     const std::string name = range.high < ValidRange::kMax      ? fmt::format("[{:g}, {:g}]", range.low, range.high)
@@ -46,7 +55,7 @@ CLI::Validator NumberCheck(ValidRange range) {
     return CLI::Validator(
         [range, valid](std::string &text) {
             T value{};
-            const bool isNumber = CLI::detail::lexical_cast(text, value);
+            const bool isNumber = ReadNumber(text, value);
             const auto v = double(value);
             const bool isValid = isNumber && v <= range.high && (range.openLow ? v > range.low : v >= range.low);
             return isValid ? "" : fmt::format("\"{}\" is not {}", text, valid);
@@ -96,7 +105,7 @@ class Flag {
               else option = app.add_option(names, target, help);
               if constexpr (CLI::detail::is_mutable_container<T>::value)
                   if (names[0] == '-') option->delimiter(',')->allow_extra_args(false);
-              return option->check(check);
+              return option->transform(check);
           }) {}
     Flag &&Type(const char *name) && {
         type_ = name;

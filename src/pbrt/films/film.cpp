@@ -90,34 +90,30 @@ Bounds2i FromCropWindow(const Bounds2 &window, Point2i resolution) {
 Bounds2i ChoosePixelBounds(const FilmParams &params, const ParamSet &set, Point2i fullResolution,
                            const FilmOverrides &overrides, DiagnosticSink &sink) {
     const Bounds2i full{{0, 0}, fullResolution};
-    FileLoc loc = set.LocOf("pixelbounds");
+    const bool isByFlag = overrides.cropWindow || overrides.pixelBounds;
+    const FileLoc loc = isByFlag ? FileLoc() : set.LocOf(params.cropWindow ? "cropwindow" : "pixelbounds");
 
-    Bounds2i bounds = full;
+    Bounds2i bounds = full, wanted = full;
     auto take = [&](const Bounds2i &given) {
-        const Bounds2i wanted{glm::min(given.low, given.high), glm::max(given.low, given.high)};
+        wanted = {glm::min(given.low, given.high), glm::max(given.low, given.high)};
         bounds = Intersect(wanted, full);
-        if (!wanted.IsEmpty() && (bounds.low != wanted.low || bounds.high != wanted.high))
+        if (!bounds.IsEmpty() && (bounds.low != wanted.low || bounds.high != wanted.high))
             sink.Warning(loc, "The pixel bounds reach beyond the image and are cut.");
     };
-    if (overrides.cropWindow) {
-        bounds = FromCropWindow(*overrides.cropWindow, fullResolution);
-        loc = {};
-    } else if (overrides.pixelBounds) {
-        loc = {};
-        take(*overrides.pixelBounds);
-    } else if (const auto &v = params.cropWindow) {
-        loc = set.LocOf("cropwindow");
+    if (overrides.cropWindow) take(FromCropWindow(*overrides.cropWindow, fullResolution));
+    else if (overrides.pixelBounds) take(*overrides.pixelBounds);
+    else if (const auto &v = params.cropWindow) {
         if (params.pixelBounds)
             sink.Warning(loc, "Both a crop window and pixel bounds are given; the crop window counts.");
-        bounds = FromCropWindow({{(*v)[0], (*v)[2]}, {(*v)[1], (*v)[3]}}, fullResolution);
+        take(FromCropWindow({{(*v)[0], (*v)[2]}, {(*v)[1], (*v)[3]}}, fullResolution));
     } else if (const auto &b = params.pixelBounds) {
         const int d = overrides.resolutionDivisor;
         take({{(*b)[0] / d, (*b)[2] / d}, {(*b)[1] / d + ((*b)[1] % d > 0), (*b)[3] / d + ((*b)[3] % d > 0)}});
     }
     if (bounds.IsEmpty())
         throw UserError(loc, "{}No pixel is left to render: pixel bounds x {} to {}, y {} to {} of {} x {} pixels.",
-                        overrides.cropWindow || overrides.pixelBounds ? "command line: " : "", bounds.low.x,
-                        bounds.high.x, bounds.low.y, bounds.high.y, fullResolution.x, fullResolution.y);
+                        isByFlag ? "command line: " : "", wanted.low.x, wanted.high.x, wanted.low.y, wanted.high.y,
+                        fullResolution.x, fullResolution.y);
     return bounds;
 }
 

@@ -29,9 +29,9 @@ class SpectralFilm final : public RgbFilm {
         : RgbFilm(fmt::format("spectral {} {}", params.buckets.low, params.buckets.high), params, set, request,
                   params.buckets.count * double(sizeof(Sums) + sizeof(float))),
           buckets_(params.buckets), sums_(FirstSumOf(Frame().PixelCount())) {
-        if (!(buckets_.low < buckets_.high))
-            throw set.Error("lambdamin", "\"lambdamin\" is {} nm, \"lambdamax\" {} nm; the range is empty.",
-                            buckets_.low, buckets_.high);
+        if (!(buckets_.high - buckets_.low >= Float(0.002) * Float(buckets_.count)))
+            throw set.Error("lambdamin", "each of the {} buckets from {} to {} nm must be 0.002 nm wide at least.",
+                            buckets_.count, buckets_.low, buckets_.high);
     }
 
     SampledWavelengths SampleWavelengths(Float u) const override {

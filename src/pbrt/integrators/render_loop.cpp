@@ -1,4 +1,3 @@
-
 #include <limits>
 
 #include "pbrt/integrators/reference_log.h"

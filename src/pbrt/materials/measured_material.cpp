@@ -1,4 +1,3 @@
-
 #include <bit>
 #include <cstring>
 
@@ -109,7 +108,7 @@ class Reader {
         for (auto slice = values.begin(); slice != values.end(); slice += perSlice) {
             const auto [min, max] = std::minmax_element(slice, slice + perSlice);
             if (*min < 0) Fail(name, "holds a negative value");
-            if (!(*max > 0)) Fail(name, "is 0 everywhere for some direction");
+            if (!(*max > 0)) Fail(name, "is 0 everywhere, or for some direction");
         }
         return grid;
     }
@@ -151,10 +150,14 @@ std::shared_ptr<const MeasuredBrdf> ReadMeasuredBrdf(const std::string &path) {
     t.phi = read.Axis("phi_i");
     t.theta = read.Axis("theta_i");
     t.wavelengths = read.Axis("wavelengths");
+    if (t.theta.front() < -0.01f || t.theta.back() > 1.58f) read.Fail("theta_i", "must hold angles from 0 to Pi / 2");
+    if (t.wavelengths.front() > LambdaMax || t.wavelengths.back() < LambdaMin)
+        read.Fail("wavelengths", "holds none from 360 to 830 nm");
     if (t.phi.size() > 2 && std::round(2 * Pi / (t.phi.back() - t.phi.front())) != 1)
         read.Fail("phi_i", "covers a part of the circle only; such reduced tables are not supported");
-    t.ndf = read.Grid("ndf", {});
-    t.sigma = read.Grid("sigma", {});
+    if (t.phi.size() > 2 && std::abs(t.phi.front() + t.phi.back()) > 1) read.Fail("phi_i", "must go from -Pi to Pi");
+    t.ndf = read.Density("ndf", {});
+    t.sigma = read.Density("sigma", {});
     t.visibleNormals = read.Density("vndf", {t.phi.size(), t.theta.size()});
     t.luminance = read.Density("luminance", {t.phi.size(), t.theta.size()});
     t.spectra = read.Grid("spectra", {t.phi.size(), t.theta.size(), t.wavelengths.size()});

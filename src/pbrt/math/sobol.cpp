@@ -38,7 +38,7 @@ const uint32_t *SobolTables() {
 }
 
 SobolPixelIndex::SobolPixelIndex(int log2Resolution) : log2Resolution_(log2Resolution) {
-    PBRT_CHECK_MSG(log2Resolution >= 0 && log2Resolution <= 16, "log2Resolution = {}", log2Resolution);
+    PBRT_CHECK_MSG(log2Resolution >= 0 && 2 * log2Resolution <= SobolIndexBits, "log2Resolution = {}", log2Resolution);
     int m = log2Resolution, n = 2 * m;
     if (m == 0) return;
     const uint32_t *first = SobolMatrices(), *second = first + SobolIndexBits;

@@ -97,9 +97,10 @@ inline uint32_t FastOwenScrambleReversed(uint32_t v, uint64_t seed) {
 class SobolPixelIndex {
   public:
     explicit SobolPixelIndex(int log2Resolution);
-    /// Index of the `frame`-th point in the pixel; 0 <= x, y < 2^m.
+    /// Index of the `frame`-th point in the pixel; 0 <= x, y < 2^m. Frames repeat after 2^SobolIndexBits points.
     uint64_t operator()(uint64_t frame, uint32_t x, uint32_t y) const {
         uint64_t low = 0;
+        frame &= (uint64_t(1) << (SobolIndexBits - 2 * log2Resolution_)) - 1;
         for (uint64_t bits = frame; bits; bits &= bits - 1) low ^= frameColumns_[IndexOf(bits)];
         for (uint64_t bits = x | uint64_t(y) << log2Resolution_; bits; bits &= bits - 1)
             low ^= pixelColumns_[IndexOf(bits)];

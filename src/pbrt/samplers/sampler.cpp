@@ -42,11 +42,12 @@ struct SeedParams {
 
 struct CountParams : SeedParams {
     int samples = 16;
+    Randomization randomization = Randomization::None;
     void Describe(auto &&v) {
         v("pixelsamples", samples, Range<int>{1, kMaxSamples}, "samples per pixel; --spp overrides it");
         SeedParams::Describe(v);
     }
-    SamplerSettings Settings(const SamplerContext &context, Randomization randomization = Randomization::None) const {
+    SamplerSettings Settings(const SamplerContext &context) const {
         const int count = context.samplesPerPixel > 0 ? context.samplesPerPixel : samples;
         return {count, context.resolution, randomization, Seed(context)};
     }
@@ -58,7 +59,7 @@ struct IndependentParams : CountParams {
 
 template <Randomization kDefault, const auto &kChoices>
 struct RandomizedParams : CountParams {
-    Randomization randomization = kDefault;
+    RandomizedParams() { randomization = kDefault; }
     void Describe(auto &&v) {
         CountParams::Describe(v);
         v("randomization", randomization, kChoices, "randomization of the points");
@@ -90,43 +91,30 @@ std::unique_ptr<Sampler> MakeStratified(const StratifiedParams &p, const ParamSe
     return std::make_unique<StratifiedSampler>(x, y, p.jitter, p.Seed(context));
 }
 
-/// Warns unless samples per pixel are a power of `base`, 2 or 4.
-void SuggestPower(int base, int samples, const ParamSet &set, const SamplerContext &context) {
-    const auto n = unsigned(samples);
-    if (std::has_single_bit(n) && (base == 2 || std::countr_zero(n) % 2 == 0)) return;
-    set.Warn(context.sink, "pixelsamples",
-             fmt::format("{} samples per pixel are not a power of {}; this sampler is at its best with one.", samples,
-                         base == 2 ? "two" : "four"));
-}
-
-std::unique_ptr<Sampler> MakePmj(const CountParams &p, const ParamSet &set, const SamplerContext &context) {
+/// Warns unless samples per pixel are a power of kBase, 2 or 4; 1: any number will do.
+template <class S, class P, int kBase = 1>
+std::unique_ptr<Sampler> MakeSampler(const P &p, const ParamSet &set, const SamplerContext &context) {
     const SamplerSettings settings = p.Settings(context);
-    SuggestPower(4, settings.samplesPerPixel, set, context);
-    return std::make_unique<Pmj02bnSampler>(settings);
-}
-
-template <class S>
-std::unique_ptr<Sampler> MakeSobol(const SobolParams &p, const ParamSet &set, const SamplerContext &context) {
-    const SamplerSettings settings = p.Settings(context, p.randomization);
-    SuggestPower(2, settings.samplesPerPixel, set, context);
-    return std::make_unique<S>(settings);
+    const auto n = unsigned(settings.samplesPerPixel);
+    if (kBase > 1 && (!std::has_single_bit(n) || (kBase == 4 && std::countr_zero(n) % 2 != 0)))
+        set.Warn(context.sink, "pixelsamples",
+                 fmt::format("{} samples per pixel are not a power of {}; this sampler is at its best with one.", n,
+                             kBase == 2 ? "two" : "four"));
+    return set.At("pixelsamples", [&] { return std::make_unique<S>(settings); });
 }
 
 }  // namespace
 
 const SamplerTable &Samplers() {
     static const SamplerTable table("Sampler", [](SamplerTable &t) {
-        t.Add<IndependentParams>("independent", "", [](const auto &p, const ParamSet &, auto &c) {
-            return std::make_unique<IndependentSampler>(p.Settings(c));
-        });
+        t.Add<IndependentParams>("independent", "", MakeSampler<IndependentSampler, IndependentParams>);
         t.Add<StratifiedParams>("stratified", "", MakeStratified);
-        t.Add<HaltonParams>("halton", "", [](const auto &p, const ParamSet &, auto &c) {
-            return std::make_unique<HaltonSampler>(p.Settings(c, p.randomization));
-        });
-        t.Add<SobolParams>("sobol", "", MakeSobol<SobolSampler>);
-        t.Add<SobolParams>("paddedsobol", "", MakeSobol<PaddedSobolSampler>);
-        t.Add<SobolParams>("zsobol", "", MakeSobol<ZSobolSampler>);
-        t.Add<CountParams>("pmj02bn", "the points are generated at startup and differ from stock pbrt-v4's", MakePmj);
+        t.Add<HaltonParams>("halton", "", MakeSampler<HaltonSampler, HaltonParams>);
+        t.Add<SobolParams>("sobol", "", MakeSampler<SobolSampler, SobolParams, 2>);
+        t.Add<SobolParams>("paddedsobol", "", MakeSampler<PaddedSobolSampler, SobolParams, 2>);
+        t.Add<SobolParams>("zsobol", "", MakeSampler<ZSobolSampler, SobolParams, 2>);
+        t.Add<CountParams>("pmj02bn", "the points are generated at startup and differ from stock pbrt-v4's",
+                           MakeSampler<Pmj02bnSampler, CountParams, 4>);
     });
     return table;
 }

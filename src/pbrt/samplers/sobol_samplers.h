@@ -61,6 +61,9 @@ class SobolSampler final : public SamplerBySettings<SobolSampler> {
         : SamplerBySettings(settings), seed_(Hash(settings.seed)),
           log2Resolution_(Log2RoundedUp(std::max(settings.resolution.x, settings.resolution.y))),
           pixelIndex_(std::make_shared<const SobolPixelIndex>(log2Resolution_)), tables_(SobolTables()) {
+        if (2 * log2Resolution_ + Log2RoundedUp(settings.samplesPerPixel) > SobolIndexBits)
+            throw UserError("{} samples per pixel of {} x {} pixels exceed the 2^{} points of this sampler.",
+                            settings.samplesPerPixel, settings.resolution.x, settings.resolution.y, SobolIndexBits);
         auto seeds = std::make_shared<std::vector<uint64_t>>(SobolTableRow);
         for (int d = 0; d < SobolTableRow; d += Lanes64Count) StoreLanes(AddDimensions(seed_, d), &(*seeds)[d]);
         seeds_ = std::move(seeds);

@@ -65,7 +65,9 @@ bool IsNearlyRectangle(const Point3 &p00, const Point3 &p10, const Point3 &p01, 
     Float d = DistanceSquared(p00, center);
     for (const Point3 &p : {p10, p01, p11})
         if (!(std::abs(DistanceSquared(p, center) - d) <= Float(1e-4) * d)) return false;
-    return true;
+    // With corners in order around a rectangle the patch folds.
+    auto offCenter = [&](const Point3 &p) { return DistanceSquared((p00 + p) / Float(2), center); };
+    return offCenter(p11) <= std::min(offCenter(p10), offCenter(p01));
 }
 
 }  // namespace

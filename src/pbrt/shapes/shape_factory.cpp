@@ -22,11 +22,23 @@ ShapeList One(const ShapeContext &context, Args... args) {
 
 constexpr Items kPoints{.type = ParamType::Point3, .isRequired = true};
 
-/// Validated point index; throws UserError if out of range.
-uint32_t Corner(int index, size_t points, const ParamSet &set) {
-    if (index < 0 || size_t(index) >= points)
-        throw set.Error("indices", "index {} is out of range; there are {} points.", index, points);
-    return uint32_t(index);
+/// Validated indices of whole faces; the rest is dropped with a warning. Throws UserError if one is out of range or no
+/// face is left.
+std::vector<uint32_t> WholeFaces(std::span<const int> indices, size_t corners, size_t points, const ParamSet &set,
+                                 DiagnosticSink &sink) {
+    const size_t excess = indices.size() % corners;
+    if (excess != 0)
+        set.Warn(sink, "indices",
+                 fmt::format("the number of \"indices\" ({}) is not a multiple of {}; the last {} are dropped.",
+                             indices.size(), corners, excess));
+    std::vector<uint32_t> whole;
+    for (int i : indices.first(indices.size() - excess)) {
+        if (i < 0 || size_t(i) >= points)
+            throw set.Error("indices", "index {} is out of range; there are {} points.", i, points);
+        whole.push_back(uint32_t(i));
+    }
+    if (whole.empty()) throw set.Error("indices", "no complete face is left.");
+    return whole;
 }
 
 struct MeshParams {
@@ -48,14 +60,7 @@ struct MeshParams {
                                 "points, and there are {}.",
                                 corners, mesh.p.size());
             for (size_t i = 0; i < corners; ++i) mesh.indices.push_back(uint32_t(i));
-        }
-        size_t excess = indices.size() % corners;
-        if (excess != 0)
-            set.Warn(sink, "indices",
-                     fmt::format("the number of \"indices\" ({}) is not a multiple of {}; the last {} are dropped.",
-                                 indices.size(), corners, excess));
-        for (int i : indices.first(indices.size() - excess)) mesh.indices.push_back(Corner(i, mesh.p.size(), set));
-        if (mesh.indices.empty()) throw set.Error("indices", "no complete face is left.");
+        } else mesh.indices = WholeFaces(indices, corners, mesh.p.size(), set, sink);
         // Stock pbrt-v4 reports arrays of the wrong length and continues without them.
         auto discardUnlessPer = [&](auto &values, size_t expected, const char *name, const char *what) {
             if (values.empty() || values.size() == expected) return;
@@ -160,12 +165,11 @@ struct CurveParams {
 
 ShapeList MakeCurve(CurveParams p, const ParamSet &set, const ShapeContext &context) {
     const size_t count = SegmentCount(p.points.size(), p.degree, p.basis);
+    const bool isBezier = p.basis == CurveBasis::Bezier;
     if (count == 0)
-        throw set.Error("P", p.basis == CurveBasis::Bezier
-                                 ? fmt::format("there are {} points; a bezier curve of degree {} needs {} + {} k.",
-                                               p.points.size(), p.degree, p.degree + 1, p.degree)
-                                 : fmt::format("there are {} points; a bspline curve of degree {} needs at least {}.",
-                                               p.points.size(), p.degree, p.degree + 1));
+        throw set.Error("P", "there are {} points; a {} curve of degree {} needs {}{}{}.", p.points.size(),
+                        isBezier ? "bezier" : "bspline", p.degree, isBezier ? "" : "at least ", p.degree + 1,
+                        isBezier ? fmt::format(" + {} k", p.degree) : "");
     if (p.kind == CurveKind::Ribbon) {
         if (p.normals.size() != count + 1)
             throw set.Error("N", "a ribbon of {} segments needs {} normals \"N\", and there are {}.", count, count + 1,
@@ -202,10 +206,7 @@ struct LoopSubdivisionParams {
 };
 
 ShapeList MakeLoopSubdivision(const LoopSubdivisionParams &p, const ParamSet &set, const ShapeContext &context) {
-    std::vector<uint32_t> corners;
-    for (int i : p.indices.first(p.indices.size() - p.indices.size() % 3))
-        corners.push_back(Corner(i, p.points.size(), set));
-    if (corners.empty()) throw set.Error("indices", "no complete face is left.");
+    const std::vector<uint32_t> corners = WholeFaces(p.indices, 3, p.points.size(), set, context.sink);
     // Includes topology and coarser levels, each a quarter of the next.
     constexpr double kBytesPerTriangle = 400;
     const double triangles = double(corners.size() / 3) * std::pow(4.0, p.levels);
@@ -228,18 +229,16 @@ ShapeList MakePlyMesh(const PlyMeshParams &p, const ParamSet &set, const ShapeCo
         const std::string path = context.files.Resolve(p.filename);
         return ParsePly(ReadFileContents(path), path);
     });
+    const auto warn = [&](const std::string &text) {
+        set.Warn(context.sink, "filename", fmt::format("{}: {}", p.filename, text));
+    };
     if (ply.ignoredFaces > 0)
-        set.Warn(context.sink, "filename",
-                 fmt::format("{}: ignores {} with neither 3 nor 4 corners.", p.filename,
-                             CountText(ply.ignoredFaces, "face")));
+        warn(fmt::format("ignores {} with neither 3 nor 4 corners.", CountText(ply.ignoredFaces, "face")));
     if (ply.brokenAttributes > 0)
-        set.Warn(context.sink, "filename",
-                 fmt::format("{}: normals or uv that are infinite or not a number are taken as 0: {}.", p.filename,
-                             ply.brokenAttributes));
+        warn(fmt::format("normals or uv that are infinite or not a number are taken as 0: {}.", ply.brokenAttributes));
     if (ply.surplusBytes > 0)
-        set.Warn(context.sink, "filename",
-                 fmt::format("{}: has {} after its last element; the file may be damaged.", p.filename,
-                             CountText(ply.surplusBytes, "byte")));
+        warn(fmt::format("has {} after its last element; the file may be damaged.",
+                         CountText(ply.surplusBytes, "byte")));
     if (context.displacement) {
         try {
             const Transform place = Product({context.renderFromPlaced, context.renderFromObject});

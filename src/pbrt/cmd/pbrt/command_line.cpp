@@ -40,13 +40,12 @@ std::vector<std::string> CanonicalFlags(const CLI::App &app, int argc, const cha
 /// "16:32".
 std::pair<int, int> ParseSamples(const std::string &text) {
     const size_t colon = text.find(':');
+    std::string low = text.substr(0, colon), high = colon == std::string::npos ? "" : text.substr(colon + 1);
     int first = -1, end = -1;
-    if (colon == std::string::npos || !CLI::detail::lexical_cast(text.substr(0, colon), first) ||
-        !CLI::detail::lexical_cast(text.substr(colon + 1), end) || first < 0 || end <= first)
-        throw CLI::ValidationError("--samples",
-                                   "\"" + text +
-                                       "\" is no range of samples; 0:16 and 16:32 are the first sixteen and "
-                                       "the next sixteen");
+    if (!ReadNumber(low, first) || !ReadNumber(high, end) || first < 0 || end <= first)
+        throw CLI::ValidationError(
+            "--samples",
+            "\"" + text + "\" is no range of samples; 0:16 and 16:32 are the first sixteen and the next sixteen");
     return {first, end};
 }
 
@@ -260,6 +259,8 @@ std::optional<int> ParseCommandLine(int argc, const char *const *argv, const Plu
     const std::optional<int> status = ParseFlags(app, CanonicalFlags(app, argc, argv), StockFlags(), [&] {
         if (o.build.mseReferenceImage.empty() != o.build.mseReferenceOut.empty())
             throw CLI::ValidationError("--mse-reference-image and --mse-reference-out go together");
+        if (!raw.crop.empty() + !raw.bounds.empty() + !raw.pixel.empty() > 1)
+            throw CLI::ValidationError("--cropwindow, --pixelbounds and --pixel exclude each other");
         if (!raw.samples.empty()) o.samples = ParseSamples(raw.samples);
         CheckKeeping(o);
         if (!o.displayServer.empty() && SplitServer(o.displayServer).first.empty())

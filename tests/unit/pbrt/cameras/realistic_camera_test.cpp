@@ -163,6 +163,16 @@ TEST(RealisticCamera, BadInputIsAnError) {
     ExpectWords(RealisticError(Parameters(DoubleGauss(), 6).String("aperture", "hexagon")), {"pentagon"});
 }
 
+TEST(RealisticCamera, ParametersOfAStopThatIsMissingHaveAWarning) {
+    const std::vector<LensElement> biconvex = {{0.1f, 0.001f, 1.5f, 0.01f}, {-0.1f, 0.05f, 1, 0.01f}};
+    DiagnosticSink sink;
+    MakeRealistic(Parameters(biconvex, 6).String("aperture", "star"), {6, 4}, &sink);
+    ASSERT_EQ(sink.All().size(), 2u);
+    ExpectWords(sink.All()[0].message, {"\"aperturediameter\" has no effect: the lens has no stop"});
+    ExpectWords(sink.All()[1].message, {"\"aperture\" has no effect"});
+    EXPECT_FALSE(sink.HasErrors());
+}
+
 TEST(RealisticCamera, StopsOpenNoFartherThanTheyCan) {
     DiagnosticSink sink;
     auto wide = MakeRealistic(Parameters(DoubleGauss(), 6, 50), {6, 4}, &sink);

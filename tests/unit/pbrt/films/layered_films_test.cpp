@@ -1,5 +1,7 @@
 #include <gtest/gtest.h>
 
+#include <set>
+
 #include "film_fixtures.h"
 
 namespace pbrt::test {
@@ -64,6 +66,13 @@ TEST(SpectralFilm, BadRangesAreErrors) {
     EXPECT_THROW(MakeFullFloat("spectral", FilmSize(2, 1).Number("lambdamin", 600).Number("lambdamax", 600)),
                  UserError);
     EXPECT_THROW(MakeFullFloat("spectral", FilmSize(2, 1).Integer("nbuckets", -1)), UserError);
+    // The names of the channels have three decimals.
+    const auto narrow = [](int n) {
+        return FilmSize(2, 1).Number("lambdamin", 500).Number("lambdamax", 500.5f).Integer("nbuckets", n);
+    };
+    EXPECT_THROW(MakeFullFloat("spectral", narrow(600)), UserError);
+    const std::vector<std::string> names = MakeFullFloat("spectral", narrow(200))->ToImage().Channels();
+    EXPECT_EQ(std::set<std::string>(names.begin(), names.end()).size(), 203u);
 }
 
 TEST(LayeredFilms, OnlyFitIntoExr) {

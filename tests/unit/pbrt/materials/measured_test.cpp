@@ -129,6 +129,24 @@ std::string AnalyticFile(bool isotropic) {
     return file.Bytes();
 }
 
+/// A small file; the field `name` has other values.
+std::string SmallFile(const std::string &name, const std::vector<float> &values) {
+    TensorWriter file;
+    const auto add = [&](const char *field, std::vector<uint64_t> shape, const std::vector<float> &usual) {
+        file.Add(field, std::move(shape), name == field ? values : usual);
+    };
+    const auto ones = [](size_t n) { return std::vector<float>(n, 1.0f); };
+    add("phi_i", {3}, {-Pi, 0, Pi});
+    add("theta_i", {2}, {0, 1.5f});
+    add("wavelengths", {2}, {400, 700});
+    add("ndf", {2, 2}, ones(4));
+    add("sigma", {2, 2}, ones(4));
+    add("vndf", {3, 2, 2, 2}, ones(24));
+    add("luminance", {3, 2, 2, 2}, ones(24));
+    add("spectra", {3, 2, 2, 2, 2}, ones(48));
+    return file.Bytes();
+}
+
 class Measured : public FolderTest {
   protected:
     void Write(const std::string &bytes) { FolderTest::Write("measured", bytes); }
@@ -225,6 +243,24 @@ TEST_F(Measured, MaterialReadsItsFileAndErrorsNameIt) {
     for (size_t field : {first, second}) std::memcpy(shared.data() + field, std::string(8, '\0').data(), 8);
     for (size_t field : {first, second}) std::memcpy(shared.data() + field + 8, &size, 8);
     expect(shared, "has fields that overlap");
+}
+
+TEST_F(Measured, ValuesThatNoMeasurementHasAreErrors) {
+    Write(SmallFile("", {}));
+    EXPECT_NO_THROW(ReadMeasuredBrdf(path_));
+    const auto expect = [&](const std::string &name, const std::vector<float> &values, const std::string &words) {
+        Write(SmallFile(name, values));
+        ExpectWords(MessageOf([&] { ReadMeasuredBrdf(path_); }), {"field \"" + name + "\" " + words});
+    };
+    for (const char *name : {"ndf", "sigma"}) {
+        expect(name, {1, 1, -1, 1}, "holds a negative value");
+        expect(name, {0, 0, 0, 0}, "is 0 everywhere");
+    }
+    expect("theta_i", {0, 90}, "must hold angles from 0 to Pi / 2");
+    expect("theta_i", {-1, 1}, "must hold angles from 0 to Pi / 2");
+    expect("phi_i", {0, Pi, 2 * Pi}, "must go from -Pi to Pi");
+    expect("wavelengths", {0.4f, 0.7f}, "holds none from 360 to 830 nm");
+    expect("wavelengths", {900, 1000}, "holds none from 360 to 830 nm");
 }
 
 }  // namespace

@@ -185,6 +185,11 @@ TEST(SobolPixelIndex, PointsLieInTheirPixelAndNoneIsMissing) {
         EXPECT_EQ(SobolBits(m, i) >> 20, 4095u);
         EXPECT_EQ(SobolBits(m + SobolIndexBits, i) >> 20, 1234u);
     }
+    SobolPixelIndex widest(20);
+    const uint64_t last = widest(4095, (1u << 20) - 1, 77777);
+    EXPECT_EQ(SobolBits(m, last) >> 12, (1u << 20) - 1);
+    EXPECT_EQ(SobolBits(m + SobolIndexBits, last) >> 12, 77777u);
+    EXPECT_EQ(widest(4096 + 5, 3, 4), widest(5, 3, 4));
 }
 
 }  // namespace

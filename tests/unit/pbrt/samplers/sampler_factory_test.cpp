@@ -54,6 +54,18 @@ TEST(MakeSampler, SeedOfTheSceneBeatsTheGlobalOne) {
     }
 }
 
+TEST(MakeSampler, SobolTakesLargeImagesAndNamesItsLimit) {
+    DiagnosticSink sink;
+    const auto make = [&](int samples) {
+        return Samplers().Make("sobol", Count(samples), SamplerContext{{1 << 20, 5}, 0, 0, sink});
+    };
+    std::unique_ptr<Sampler> s = make(4096);
+    s->StartPixelSample({(1 << 20) - 1, 4}, 4095);
+    for (const Point2 &p : {s->GetPixel2D(), s->Get2D()}) EXPECT_TRUE(p.x >= 0 && p.x < 1 && p.y >= 0 && p.y < 1);
+    ExpectWords(MessageOf([&] { make(8192); }),
+                {"8192 samples per pixel of 1048576 x 5 pixels exceed the 2^52 points"});
+}
+
 TEST(MakeSampler, SampleCountsAndOverride) {
     for (const char *type : {"zsobol", "paddedsobol", "sobol", "halton", "independent", "pmj02bn"}) {
         EXPECT_EQ(Make(type, Count(32))->SamplesPerPixel(), 32) << type;

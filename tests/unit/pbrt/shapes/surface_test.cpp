@@ -195,6 +195,17 @@ TEST(BilinearSurface, TextureCoordinatesReplaceParameters) {
     EXPECT_TRUE(mesh.IsParallelogram(0));
 }
 
+TEST(BilinearSurface, CornersInOrderAroundARectangleAreNoRectangle) {
+    const std::vector<Point3> around = {{0, 0, 0}, {3, 0, 0}, {3, 2, 0}, {0, 2, 0}};
+    for (size_t first = 0; first < 4; ++first) {
+        const auto at = [&](size_t i) { return around[(first + i) % 4]; };
+        EXPECT_FALSE(BilinearMesh(OnePrimitive({at(0), at(1), at(2), at(3)}), Transform(), false).IsRectangle(0));
+        EXPECT_FALSE(BilinearMesh(OnePrimitive({at(0), at(2), at(1), at(3)}), Transform(), false).IsRectangle(0));
+        EXPECT_TRUE(BilinearMesh(OnePrimitive({at(0), at(1), at(3), at(2)}), Transform(), false).IsRectangle(0));
+        EXPECT_TRUE(BilinearMesh(OnePrimitive({at(0), at(3), at(1), at(2)}), Transform(), false).IsRectangle(0));
+    }
+}
+
 TEST(BilinearSurface, RaysHitASaddleTwice) {
     BilinearMesh saddle(OnePrimitive({{0, 0, 1}, {1, 0, 0}, {0, 1, 0}, {1, 1, 1}}), Transform(), false);
     // This ray along the diagonal at height 0.8 meets the surface 1 - x - y + 2xy twice.

@@ -2,6 +2,7 @@
 #include <regex>
 
 #include "pbrt/core/progress.h"
+#include "pbrt/films/render_file.h"
 #include "program.h"
 
 namespace pbrt::test {
@@ -27,6 +28,9 @@ TEST_F(Flags, UnknownFlagsAndBadValuesAreErrors) {
                   {"--pixel 3 scene.pbrt", {"--pixel", "2 numbers", "x,y", "\"scene.pbrt\""}},
                   {"scene.pbrt --pixel", {"--pixel", "2 numbers", "x,y", "has 0"}},
                   {"scene.pbrt --pixel 2147483647,0", {"--pixel", "\"2147483647\" is not an integer from 0 to"}},
+                  {"--pixel 3,4 --cropwindow 0,1,0,1 scene.pbrt", {"--pixelbounds and --pixel exclude each other"}},
+                  {"--pixel 3,4 --pixelbounds 0,9,0,9 scene.pbrt", {"--pixelbounds and --pixel exclude each other"}},
+                  {"--pixel 40,3 scene.pbrt", {"line: No pixel is left to render: pixel bounds x 40 to 41, y 3 to 4"}},
                   {"--spp 0 scene.pbrt", {"--spp", "--help"}},
                   {"--spp many scene.pbrt", {"--spp", "many"}},
                   {"--nthreads -1 scene.pbrt", {"--nthreads"}},
@@ -35,6 +39,17 @@ TEST_F(Flags, UnknownFlagsAndBadValuesAreErrors) {
                   {"--mse-reference-out mse.txt scene.pbrt", {"--mse-reference-image"}},
                   {"--integrator pahtt scene.pbrt", {"Error: --integrator:1:0: ", "\"pahtt\"", "simplepath", "^"}},
                   {"--cropwindow 0.5,0.5,0,1 scene.pbrt", {"command line: No pixel is left"}}});
+}
+
+TEST_F(Flags, NumbersWithLeadingZerosAreDecimal) {
+    RunWell("--spp 010 --seed -011 --pixel 07,010 --outfile out.exr scene.pbrt");
+    const ImageFile file = ReadImage(Path("out.exr"));
+    EXPECT_EQ(IntOf(file, "samplesPerPixel"), 10);
+    EXPECT_EQ(IntOf(file, "pbrt.seed"), -11);
+    EXPECT_EQ(file.metadata.pixelBounds, (Bounds2i{{7, 10}, {8, 11}}));
+    RunWell("--spp 16 --samples 008:010 --checkpoint part.chk scene.pbrt");
+    EXPECT_EQ(RenderFile(Path("part.chk")).Head().first, 8);
+    EXPECT_EQ(RenderFile(Path("part.chk")).Head().end, 10);
 }
 
 TEST_F(Flags, NumbersAreFiniteAndTextsNotEmpty) {

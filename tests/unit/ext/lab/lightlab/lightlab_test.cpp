@@ -217,6 +217,7 @@ TEST_F(Lightlab, SamplesOfATimedExperimentCanBeReplayed) {
     const std::string before = Read("timed/results.json");
     ExpectErrors({{"scene.pbrt --samples-from timed/results.json --restart --out timed",
                    {"--samples-from timed/results.json: ", "--out"}},
+                  {"scene.pbrt --samples-from timed/results.json --spp 2 --out other", {"--samples-from", "--spp"}},
                   {"scene.pbrt --reference ./timed/reference-0.exr --restart --out timed",
                    {"--reference ./timed/reference-0.exr: ", "--out"}}});
     EXPECT_EQ(Read("timed/results.json"), before);

@@ -223,6 +223,14 @@ TEST_F(Lightlab, SamplesOfATimedExperimentCanBeReplayed) {
     EXPECT_EQ(Read("timed/results.json"), before);
 }
 
+TEST_F(Lightlab, AdviceOnFewOracleSamplesFitsTheBudget) {
+    RunWell("scene.pbrt --samplers uniform,oracle:samples=1 --spp 2 --seeds 1 --reference-spp 8 --no-report --out few");
+    const std::string remarks = Results("few").at("conclusion").at("remarks").dump();
+    EXPECT_TRUE(Has(remarks, "took only 2.0 samples per pixel")) << remarks;
+    EXPECT_TRUE(Has(remarks, "use more --spp")) << remarks;
+    EXPECT_FALSE(Has(remarks, "equal samples")) << remarks;
+}
+
 TEST_F(Lightlab, MistakesAreReportedTogetherAndNothingIsRendered) {
     Write("sweep.txt", "uniform # comment\n\nnosuch\npower:leaves=3\n");
     ExpectErrors(

@@ -291,24 +291,18 @@ double MeanOf(std::span<const TileMeans> pictures) {
     return sum / double(pictures.size());
 }
 
-std::string Percent(double v) {
-    if (!std::isfinite(v)) return "none";
-    if (v > 10) return "more than 1000 %";
-    return std::abs(v) < 0.995 ? fmt::format("{:.2g} %", 100 * v) : fmt::format("{:.0f} %", 100 * v);
-}
-
 std::string Explain(const BiasReport &report, const BiasSettings &settings) {
     const std::string visible =
         fmt::format("{} in the whole image, {} in regions of 1/{} of it, {} in regions of {} pixels",
-                    Percent(report.visibleImage), Percent(report.visibleSixteenth), report.sixteenthRegions,
-                    Percent(report.visibleSmallest), report.smallestSide);
+                    PercentText(report.visibleImage), PercentText(report.visibleSixteenth), report.sixteenthRegions,
+                    PercentText(report.visibleSmallest), report.smallestSide);
     const RegionTest &w = report.worst;
     if (report.verdict == BiasVerdict::Biased)
         return fmt::format("{:+.2f} % (standard error {:.2f} %) in pixels x {} to {}, y {} to {}, channel {}.",
                            100 * w.difference, 100 * w.standardError, w.pixels.low.x, w.pixels.high.x, w.pixels.low.y,
                            w.pixels.high.y, w.channel);
     if (report.verdict == BiasVerdict::Clean) return fmt::format("No bias detected; smallest detectable: {}.", visible);
-    return fmt::format("Too few data to detect a bias of {}; smallest detectable: {}.", Percent(settings.interest),
+    return fmt::format("Too few data to detect a bias of {}; smallest detectable: {}.", PercentText(settings.interest),
                        visible);
 }
 
@@ -339,6 +333,12 @@ std::vector<RegionTest> TestRegions(std::span<const TileMeans> runs, const BiasR
 
 const char *BiasVerdictName(BiasVerdict verdict) {
     return verdict == BiasVerdict::Clean ? "clean" : verdict == BiasVerdict::Biased ? "biased" : "unknown";
+}
+
+std::string PercentText(double v) {
+    if (!std::isfinite(v)) return "none";
+    if (v > 10) return "more than 1000 %";
+    return std::abs(v) < 0.995 ? fmt::format("{:.2g} %", 100 * v) : fmt::format("{:.0f} %", 100 * v);
 }
 
 BiasReport CheckBias(std::span<const TileMeans> runs, const BiasReference &reference, const BiasSettings &settings,

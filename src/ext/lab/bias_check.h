@@ -18,6 +18,7 @@ struct BiasSettings {
 
 enum class BiasVerdict { Clean, Biased, Unknown };
 const char *BiasVerdictName(BiasVerdict verdict);  ///< clean, biased, unknown
+std::string PercentText(double v);  ///< detection limit for the user; "none" if infinite, "more than 1000 %" above
 
 /// Additional images of the same scene, neither runs nor reference, by the same sampler or one with the same light
 /// selection. They indicate the strength of single samples where the runs had none; their mean is not used.

@@ -275,7 +275,7 @@ std::vector<RenderTarget> Checkpoints(const ExperimentSettings &settings) {
     if (settings.Timed()) {
         for (double divisor = 64; divisor >= 1; divisor /= 2) list.push_back({0, settings.timeBudget / divisor});
     } else {
-        for (int samples = 2; samples < settings.samplesPerPixel; samples *= 2) list.push_back({samples, 0});
+        for (int64_t samples = 2; samples < settings.samplesPerPixel; samples *= 2) list.push_back({int(samples), 0});
         if (settings.samplesPerPixel > 1) list.push_back({settings.samplesPerPixel, 0});
     }
     return list;

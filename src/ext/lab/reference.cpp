@@ -22,7 +22,8 @@ constexpr int kParts = 8;           // seeds of a reference; their scatter estim
 constexpr int kFirstSeed = 800001;  // disjoint from the seeds of runs and pilot
 constexpr int kSeedStep = 1000;     // between references; below SamplerRun::kSeeds
 constexpr int kMinSamples = 64;     // by time
-constexpr double kDisagree = 2;     // factor on the relL2 explained by the noise of two references
+constexpr int kMaxSamples = 1 << 30;
+constexpr double kDisagree = 2;  // factor on the relL2 explained by the noise of two references
 
 std::string PartChannel(size_t part, int color) { return fmt::format("part{}.{}", part + 1, "RGB"[color]); }
 
@@ -168,7 +169,7 @@ int SamplesPerPart(const ExperimentContext &context, const PilotEntry &with, int
     const Json known = context.records.LoadNote(note);
     if (known.is_object() && known.value("sampler", "") == with.choice.label) return known.value("samplesPerPart", 1);
     const double fit = rule.seconds / std::max(1e-6, with.secondsPerSample);
-    const int samples = int(std::ceil(std::max<double>(kMinSamples, fit) / kParts));
+    const int samples = int(std::ceil(std::clamp<double>(fit, kMinSamples, kMaxSamples) / kParts));
     context.records.SaveNote(note, {{"sampler", with.choice.label}, {"samplesPerPart", samples}});
     return samples;
 }
@@ -263,9 +264,9 @@ std::optional<Doubt> Disagreement(const Reference &a, const Reference &b, bool a
 }
 
 ReferenceRule ReferenceRule::For(const ExperimentSettings &settings) {
-    if (settings.referenceSamples > 0) return {settings.referenceSamples, 0};
+    if (settings.referenceSamples > 0) return {std::min(settings.referenceSamples, kMaxSamples), 0};
     if (settings.Timed()) return {0, 10 * settings.timeBudget};
-    return {std::max(512, 16 * settings.samplesPerPixel), 0};
+    return {int(std::clamp<int64_t>(16 * int64_t{settings.samplesPerPixel}, 512, kMaxSamples)), 0};
 }
 
 std::string ReferenceRule::Text() const {

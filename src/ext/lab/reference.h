@@ -79,7 +79,8 @@ struct Reference {
 struct ReferenceRule {
     int samples = 0;     ///< per pixel; 0: by time
     double seconds = 0;  ///< estimated from the pilot
-    /// --reference-spp if given; else 10 times the time budget of a run, or 16 times its samples, at least 512.
+    /// --reference-spp if given; else 10 times the time budget of a run, or 16 times its samples, at least 512. At
+    /// most 2^30 samples.
     static ReferenceRule For(const ExperimentSettings &settings);
     std::string Text() const;
     double EstimateSeconds(double perSample) const { return samples > 0 ? samples * perSample : seconds; }

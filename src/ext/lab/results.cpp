@@ -199,9 +199,9 @@ std::vector<std::string> RemarksOn(const ExperimentSettings &settings, const Ref
     std::vector<std::string> remarks = references.remarks;
     for (const SamplerResult &s : samplers)
         if (s.choice.traits.isInstrument && s.samples < kFewOracleSamples)
-            remarks.push_back(fmt::format(
-                "\"{}\" took only {:.1f} samples per pixel, so ratios to it are rough; --spp gives equal samples.",
-                s.choice.label, s.samples));
+            remarks.push_back(fmt::format("\"{}\" took only {:.1f} samples per pixel, so ratios to it are rough; {}.",
+                                          s.choice.label, s.samples,
+                                          settings.Timed() ? "--spp gives equal samples" : "use more --spp"));
     if (settings.sampledLightOnly)
         remarks.emplace_back(
             "--sampled-light: the images lack lights seen directly or by specular reflection, and caustics.");

@@ -175,10 +175,6 @@ void ForEachNumber(auto &r, auto &&f) {
     f("worstDifference", r.worstDifference);
 }
 
-std::string RoundedPercent(double share) {
-    return std::abs(share) < 0.995 ? fmt::format("{:.2g} %", 100 * share) : fmt::format("{:.0f} %", 100 * share);
-}
-
 std::string TextOf(const SelectionReport &report) {
     std::string text = fmt::format("at {} path vertices light selection deviates by {:+.2g} +- {:.1g} %",
                                    report.vertices, 100 * report.difference, 100 * report.standardError);
@@ -187,8 +183,8 @@ std::string TextOf(const SelectionReport &report) {
                             report.worstRegion / kSelectionSide + 1, report.worstRegion % kSelectionSide + 1,
                             kSelectionSide, kSelectionSide);
     if (std::isfinite(report.visibleSixteenth))
-        text += fmt::format("; detectable: {} in the whole image, {} in a sixteenth",
-                            RoundedPercent(report.visibleImage), RoundedPercent(report.visibleSixteenth));
+        text += fmt::format("; detectable: {} in the whole image, {} in a sixteenth", PercentText(report.visibleImage),
+                            PercentText(report.visibleSixteenth));
     else text += "; too few of them receive light for a detection limit";
     return text;
 }
@@ -301,11 +297,10 @@ void AddSelection(const SelectionReport &selection, BiasReport *report) {
     if (selection.verdict == BiasVerdict::Clean && report->verdict == BiasVerdict::Unknown && !report->worst.biased) {
         // This text replaces "Too few data": the vertices are sufficient.
         report->verdict = BiasVerdict::Clean;
-        auto size = [](double v) { return std::isfinite(v) ? RoundedPercent(v) : std::string("none"); };
         report->text = fmt::format(
             "No bias detected, and the check at path vertices would have detected one; smallest detectable by the "
             "images alone: {} in the whole image, {} in regions of 1/{} of it.",
-            size(report->visibleImage), size(report->visibleSixteenth), report->sixteenthRegions);
+            PercentText(report->visibleImage), PercentText(report->visibleSixteenth), report->sixteenthRegions);
     }
     if (selection.verdict == BiasVerdict::Biased && report->verdict != BiasVerdict::Biased) {
         report->verdict = BiasVerdict::Biased;

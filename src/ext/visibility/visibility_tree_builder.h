@@ -50,7 +50,7 @@ struct VisibilityBuildSettings {
 /// shrinks towards the mean over all lights. With a light tree, CellCut provides the estimates.
 ///
 /// Size: cells are split while they hold more than 4 `records` records. One half of the records then provides
-/// estimates, the held-out half the second moment, sum_l f_l^2 / p_l, relative to the squared unoccluded sum. Children
+/// estimates, the held-out half the second moment, sum_l f_l^2 / p_l, relative to the record's squared light. Children
 /// that do not reduce it are merged, bottom-up. Finally all estimates are recomputed from all records.
 ///
 /// With a light tree, cells are split while they hold more than `records`, without merging. A few shadow rays per
@@ -233,9 +233,11 @@ class VisibilityTreeBuilder {
     }
     uint32_t NameOf(uint32_t light) const { return settings_.lights ? settings_.lights->PositionOf(light) : light; }
     double Loss(const VisibilityRecord &record, const std::vector<float> &factors) const {
-        double sum = 0;
-        for (uint32_t t = record.firstRay; t < record.firstRay + record.rayCount; ++t)
+        double sum = 0, light = 0;
+        for (uint32_t t = record.firstRay; t < record.firstRay + record.rayCount; ++t) {
             sum += double(rays_[t].weight) * double(factors[rays_[t].light]);
+            light += double(rays_[t].weight) * double(rays_[t].ratio);
+        }
         double loss = 0;
         const auto e = double(settings_.floor);
         for (uint32_t t = record.firstRay; t < record.firstRay + record.rayCount; ++t) {
@@ -246,7 +248,7 @@ class VisibilityTreeBuilder {
             if (sum > 0) p += (1 - e) * double(factors[v.light]) * share / sum;
             if (p > 0) loss += double(v.weight) * share * double(v.ratio) * double(v.ratio) / p;
         }
-        return loss;
+        return light > 0 ? loss / (light * light) : 0;
     }
     void Prune() {
         std::vector<double> best(order_.size(), 0);

@@ -155,7 +155,8 @@ void AddAllFlags(CLI::App &app, LightlabOptions &o, RawFlags &raw, const std::ve
     for (const auto &[flag, other] : {std::pair{"--time", "--spp"},
                                       {"--direct", "--maxdepth"},
                                       {"--reference-spp", "--reference"},
-                                      {"--samples-from", "--time"}})
+                                      {"--samples-from", "--time"},
+                                      {"--samples-from", "--spp"}})
         app.get_option(flag)->excludes(app.get_option(other));
 }
 
@@ -165,7 +166,7 @@ void TakeFromResults(const CLI::App &app, LightlabOptions *o) {
     const Json results = ReadResults(c.samplesFrom);
     const Json &settings = results.at("settings");
     if (results.value("mode", "") == "time") c.timeBudget = results.value("budget", 0.0);
-    else if (!app.count("--spp")) c.samplesPerPixel = results.value("budget", c.samplesPerPixel);
+    else c.samplesPerPixel = results.value("budget", c.samplesPerPixel);
     if (!app.count("--samplers") && !app.count("--samplers-file"))
         o->samplers = settings.at("samplers").get<std::vector<std::string>>();
     if (!app.count("--seeds")) c.seeds = settings.value("seeds", c.seeds);

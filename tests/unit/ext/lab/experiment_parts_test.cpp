@@ -30,12 +30,28 @@ TEST(Checkpoints, StartAtOneSampleAndEndAtTheBudget) {
     EXPECT_EQ(samples, (std::vector<int>{1, 2, 4, 8, 16, 24}));
     settings.samplesPerPixel = 1;
     EXPECT_EQ(Checkpoints(settings).size(), 1u);
+    settings.samplesPerPixel = 2'000'000'000;
+    const std::vector<RenderTarget> most = Checkpoints(settings);
+    ASSERT_EQ(most.size(), 32u);
+    EXPECT_EQ(most[30].samples, 1 << 30);
+    EXPECT_EQ(most[31].samples, 2'000'000'000);
     settings.timeBudget = 32;
     const std::vector<RenderTarget> timed = Checkpoints(settings);
     ASSERT_EQ(timed.size(), 8u);
     EXPECT_EQ(timed[0].samples, 1);
     EXPECT_EQ(timed[1].seconds, 0.5);
     EXPECT_EQ(timed[7].seconds, 32);
+}
+
+TEST(ReferenceRule, HasSixteenTimesTheSamplesUpToALimit) {
+    ExperimentSettings settings;
+    for (const auto &[samples, ofReference] :
+         {std::pair{1, 512}, {64, 1024}, {200'000'000, 1 << 30}, {2'147'483'647, 1 << 30}}) {
+        settings.samplesPerPixel = samples;
+        EXPECT_EQ(ReferenceRule::For(settings).samples, ofReference) << samples;
+    }
+    settings.referenceSamples = 2'147'483'647;
+    EXPECT_EQ(ReferenceRule::For(settings).samples, 1 << 30);
 }
 
 TEST(ExperimentDisplay, TimeLeftIsThatOfTheWholeExperiment) {

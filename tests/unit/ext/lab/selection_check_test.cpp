@@ -155,6 +155,17 @@ TEST_F(SelectionCheck, BothChecksTogether) {
     EXPECT_EQ(together(Biased, Clean), Biased);
 }
 
+TEST_F(SelectionCheck, ImagesWithoutAStatementAreNamedLikeInTheirOwnCheck) {
+    BiasReport report;
+    report.visibleImage = 4210.5;
+    report.visibleSixteenth = std::numeric_limits<double>::infinity();
+    SelectionReport selection;
+    selection.verdict = BiasVerdict::Clean;
+    AddSelection(selection, &report);
+    EXPECT_NE(report.text.find("alone: more than 1000 % in the whole image, none in regions"), std::string::npos)
+        << report.text;
+}
+
 /// The same scene full of fog, in which most of the first vertices lie.
 class SelectionCheckInFog : public SelectionCheck {
   protected:

@@ -73,6 +73,19 @@ TEST(VisibilityTree, AWallIsLearned) {
     }
 }
 
+TEST(VisibilityTree, AStrongLightBehindAWallStarvesNoWeakOne) {
+    // A closed room: light 0 would shine 1000 times as strong on every second record, but reaches none.
+    Prepass prepass(4000, 2, [](const Point3 &, uint32_t l, Float) { return l == 1; });
+    for (size_t i = 0; i < prepass.records.size(); ++i) {
+        ShadowRay *const rays = &prepass.rays[2 * i];
+        rays[0].share = rays[0].weight = i % 2 == 0 ? 0.999f : 0;
+        rays[1].share = rays[1].weight = i % 2 == 0 ? 0.001f : 1;
+    }
+    const VisibilityTree tree = prepass.Build(Settings(2));
+    EXPECT_GT(tree.LeafCount(), 8u);
+    EXPECT_LT(FactorAt(tree, Point3(0.4f), 0), 0.02f * FactorAt(tree, Point3(0.4f), 1));
+}
+
 TEST(VisibilityTree, KeepsAllSplitsWithoutPruningAndHoldsFewRecordsPerLeaf) {
     Prepass prepass(20000, 2, [](const Point3 &, uint32_t, Float) { return Float(1); });
     VisibilityBuildSettings settings = Settings(2);

@@ -217,9 +217,18 @@ TEST_F(Lightlab, SamplesOfATimedExperimentCanBeReplayed) {
     const std::string before = Read("timed/results.json");
     ExpectErrors({{"scene.pbrt --samples-from timed/results.json --restart --out timed",
                    {"--samples-from timed/results.json: ", "--out"}},
+                  {"scene.pbrt --samples-from timed/results.json --spp 2 --out other", {"--samples-from", "--spp"}},
                   {"scene.pbrt --reference ./timed/reference-0.exr --restart --out timed",
                    {"--reference ./timed/reference-0.exr: ", "--out"}}});
     EXPECT_EQ(Read("timed/results.json"), before);
+}
+
+TEST_F(Lightlab, AdviceOnFewOracleSamplesFitsTheBudget) {
+    RunWell("scene.pbrt --samplers uniform,oracle:samples=1 --spp 2 --seeds 1 --reference-spp 8 --no-report --out few");
+    const std::string remarks = Results("few").at("conclusion").at("remarks").dump();
+    EXPECT_TRUE(Has(remarks, "took only 2.0 samples per pixel")) << remarks;
+    EXPECT_TRUE(Has(remarks, "use more --spp")) << remarks;
+    EXPECT_FALSE(Has(remarks, "equal samples")) << remarks;
 }
 
 TEST_F(Lightlab, MistakesAreReportedTogetherAndNothingIsRendered) {

@@ -47,7 +47,9 @@ struct VisibilityBuildSettings {
 ///
 /// Estimate in a cell: a_l^2 = sum w r^2 / sum w over its shadow rays to l. `shrinkage` pseudo-rays, against n = (sum
 /// w)^2 / sum w^2 effective rays, shrink it towards the parent's estimate, from the root down. The root's estimate
-/// shrinks towards the mean over all lights. With a light tree, CellCut provides the estimates.
+/// shrinks towards the mean over all lights. Lights that no shadow ray of the cell reached get about as much weight as
+/// the others at most, as one of them may be a sun behind a wall. With a light tree, CellCut provides the
+/// estimates.
 ///
 /// Size: cells are split while they hold more than 4 `records` records. One half of the records then provides
 /// estimates, the held-out half the second moment, sum_l f_l^2 / p_l, relative to the record's squared light. Children
@@ -230,6 +232,23 @@ class VisibilityTreeBuilder {
             const double value = n + k > 0 ? (n * mean + k * target) / (n + k) : target;
             node.factors.push_back(float(settings_.secondMoment ? std::sqrt(value) : value));
         }
+        LimitUnreached(node, [&](uint32_t l) { return of[l] && of[l]->wm > 0; });
+    }
+    /// Scales the factors of lights that no shadow ray of the cell reached.
+    void LimitUnreached(Node &node, auto &&isReached) const {
+        double sum = 0;
+        int count = 0;
+        for (uint32_t i = node.begin; i < node.end; ++i) {
+            const VisibilityRecord &record = records_[order_[i]];
+            double reached = 0, unreached = 0;
+            for (const ShadowRay &v : rays_.subspan(record.firstRay, record.rayCount))
+                (isReached(v.light) ? reached : unreached) += double(v.share) * double(node.factors[v.light]);
+            if (!(reached > 0 && unreached > 0)) continue;
+            sum += std::min(1.0, reached / unreached);
+            ++count;
+        }
+        for (uint32_t l = 0; count > 0 && l < node.factors.size(); ++l)
+            if (!isReached(l)) node.factors[l] *= float(sum / count);
     }
     uint32_t NameOf(uint32_t light) const { return settings_.lights ? settings_.lights->PositionOf(light) : light; }
     double Loss(const VisibilityRecord &record, const std::vector<float> &factors) const {

@@ -86,6 +86,20 @@ TEST(VisibilityTree, AStrongLightBehindAWallStarvesNoWeakOne) {
     EXPECT_LT(FactorAt(tree, Point3(0.4f), 0), 0.02f * FactorAt(tree, Point3(0.4f), 1));
 }
 
+TEST(VisibilityTree, LightsThatWereNeverReachedGetHalfOfTheProbability) {
+    // As above, a million times as strong: the prior alone would leave next to nothing for light 1.
+    Prepass prepass(4000, 2, [](const Point3 &, uint32_t l, Float) { return l == 1; });
+    for (size_t i = 0; i < prepass.records.size(); ++i) {
+        ShadowRay *const rays = &prepass.rays[2 * i];
+        rays[0].share = rays[0].weight = i % 2 == 0 ? 0.999999f : 0;
+        rays[1].share = rays[1].weight = i % 2 == 0 ? 0.000001f : 1;
+    }
+    const VisibilityTree tree = prepass.Build(Settings(2));
+    const Float ratio = FactorAt(tree, Point3(0.4f), 0) / FactorAt(tree, Point3(0.4f), 1);
+    EXPECT_GT(ratio, 0);
+    EXPECT_LT(ratio, 1.1e-6f);
+}
+
 TEST(VisibilityTree, KeepsAllSplitsWithoutPruningAndHoldsFewRecordsPerLeaf) {
     Prepass prepass(20000, 2, [](const Point3 &, uint32_t, Float) { return Float(1); });
     VisibilityBuildSettings settings = Settings(2);

@@ -8,6 +8,7 @@
 
 #include "pbrt/core/online_model.h"
 #include "pbrt/core/parallel.h"
+#include "pbrt/images/metrics.h"
 #include "support/light_query.h"
 #include "support/render_waves.h"
 #include "two_rooms.h"
@@ -112,6 +113,29 @@ TEST(PortalsOfAnOpenScene, AreNotUsedAndTheImageIsThatOfBvh) {
         EXPECT_GE(seen, least);
         EXPECT_LE(seen, most);
     }
+}
+
+/// Before the first shadow ray, the sun is the light to choose; none of its light comes in.
+TEST(StrongLightBehindAWall, AddsNoNoise) {
+    const auto build = [](const std::string &parameters, const std::string &sun) {
+        return BuildUnderSky("'bool guide.roulette' false 'string lightsampler' " + parameters,
+                             Objects()
+                                 .Light("distant", "'point3 from' [ 1 2 1 ] 'rgb L' [ " + sun + " ]")
+                                 .PointLight("0 1.8 1", "1 1 1")
+                                 .Diffuse("0.7 0.6 0.5")
+                                 .Quad(room::kFloor)
+                                 .Quad(room::kCeiling)
+                                 .Quad(room::kFront)
+                                 .Quad(room::kBack)
+                                 .Quad(room::kLeft)
+                                 .Quad(room::kRight));
+    };
+    const Image reference = RenderWaves(build("'uniform'", "1 1 1"), 512, {512});
+    const auto error = [&](const std::string &sun) {
+        return ImageError(Render(build("'octree'", sun)), reference, Metric::RelL2);
+    };
+    const double weak = error("0.001 0.001 0.001");
+    for (const char *sun : {"1e2 1e2 1e2", "1e4 1e4 1e4", "1e6 1e6 1e6"}) EXPECT_LT(error(sun), 1.5 * weak) << sun;
 }
 
 /// Report of the octree sampler, prepared for this many samples per pixel.

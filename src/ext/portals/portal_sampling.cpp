@@ -213,8 +213,8 @@ void PortalSampling::Evaluate(const LightQuery &query, const Environment &e, Flo
 }
 
 double PortalSampling::CostPerVertex(const Scene &scene) const {
-    // Fitted to CPU times of blinds, sunny-room, corridor, dining-room and classroom with 1 to 5 portals
-    // (docs/measured/choices): the cost of a vertex grows with the number of primitives; that of portals does not, and
+    // Fitted to CPU times (as of docs/measured/choices) of blinds, sunny-room, corridor, dining-room and classroom,
+    // with 1 to 5 portals: the cost of a vertex grows with the number of primitives; that of portals does not, and
     // hardly with their number.
     double primitives = 0;
     for (uint32_t i = 0; i < scene.ShapeCount(); ++i) primitives += scene.ShapeOf(ShapeId(i)).PrimitiveCount();

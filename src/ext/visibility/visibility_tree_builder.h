@@ -47,9 +47,8 @@ struct VisibilityBuildSettings {
 ///
 /// Estimate in a cell: a_l^2 = sum w r^2 / sum w over its shadow rays to l. `shrinkage` pseudo-rays, against n = (sum
 /// w)^2 / sum w^2 effective rays, shrink it towards the parent's estimate, from the root down. The root's estimate
-/// shrinks towards the mean over all lights. Lights that no shadow ray of the cell reached get about as much weight as
-/// the others at most, as one of them may be a sun behind a wall. With a light tree, CellCut provides the
-/// estimates.
+/// shrinks towards the mean over all lights. Lights that no shadow ray of the cell reached get at most about as much
+/// weight as the others, as one may be a sun behind a wall. With a light tree, CellCut provides the estimates.
 ///
 /// Size: cells are split while they hold more than 4 `records` records. One half of the records then provides
 /// estimates, the held-out half the second moment, sum_l f_l^2 / p_l, relative to the record's squared light. Children
@@ -234,7 +233,8 @@ class VisibilityTreeBuilder {
         }
         LimitUnreached(node, [&](uint32_t l) { return of[l] && of[l]->wm > 0; });
     }
-    /// Scales the factors of lights that no shadow ray of the cell reached.
+    /// Scales the factors of lights that no shadow ray of the cell reached by the mean, over the cell's records, of the
+    /// scale (at most 1) that makes their weight equal to that of the other lights.
     void LimitUnreached(Node &node, auto &&isReached) const {
         double sum = 0;
         int count = 0;

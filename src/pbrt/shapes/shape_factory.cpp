@@ -165,11 +165,12 @@ struct CurveParams {
 
 ShapeList MakeCurve(CurveParams p, const ParamSet &set, const ShapeContext &context) {
     const size_t count = SegmentCount(p.points.size(), p.degree, p.basis);
-    const bool isBezier = p.basis == CurveBasis::Bezier;
     if (count == 0)
-        throw set.Error("P", "there are {} points; a {} curve of degree {} needs {}{}{}.", p.points.size(),
-                        isBezier ? "bezier" : "bspline", p.degree, isBezier ? "" : "at least ", p.degree + 1,
-                        isBezier ? fmt::format(" + {} k", p.degree) : "");
+        throw set.Error("P", p.basis == CurveBasis::Bezier
+                                 ? fmt::format("there are {} points; a bezier curve of degree {} needs {} + {} k.",
+                                               p.points.size(), p.degree, p.degree + 1, p.degree)
+                                 : fmt::format("there are {} points; a bspline curve of degree {} needs at least {}.",
+                                               p.points.size(), p.degree, p.degree + 1));
     if (p.kind == CurveKind::Ribbon) {
         if (p.normals.size() != count + 1)
             throw set.Error("N", "a ribbon of {} segments needs {} normals \"N\", and there are {}.", count, count + 1,

@@ -73,31 +73,29 @@ TEST(VisibilityTree, AWallIsLearned) {
     }
 }
 
-TEST(VisibilityTree, AStrongLightBehindAWallStarvesNoWeakOne) {
-    // A closed room: light 0 would shine 1000 times as strong on every second record, but reaches none.
+/// A closed room: light 0 would shine `strength` times as strong as light 1 on every second record, but reaches none.
+VisibilityTree BesideAHiddenLight(Float strength) {
     Prepass prepass(4000, 2, [](const Point3 &, uint32_t l, Float) { return l == 1; });
     for (size_t i = 0; i < prepass.records.size(); ++i) {
         ShadowRay *const rays = &prepass.rays[2 * i];
-        rays[0].share = rays[0].weight = i % 2 == 0 ? 0.999f : 0;
-        rays[1].share = rays[1].weight = i % 2 == 0 ? 0.001f : 1;
+        rays[1].share = rays[1].weight = i % 2 == 0 ? 1 / (1 + strength) : 1;
+        rays[0].share = rays[0].weight = 1 - rays[1].share;
     }
-    const VisibilityTree tree = prepass.Build(Settings(2));
-    EXPECT_GT(tree.LeafCount(), 8u);
-    EXPECT_LT(FactorAt(tree, Point3(0.4f), 0), 0.02f * FactorAt(tree, Point3(0.4f), 1));
+    return prepass.Build(Settings(2));
+}
+Float HiddenFactor(const VisibilityTree &tree) {
+    return FactorAt(tree, Point3(0.4f), 0) / FactorAt(tree, Point3(0.4f), 1);
 }
 
-TEST(VisibilityTree, LightsThatWereNeverReachedGetHalfOfTheProbability) {
-    // As above, a million times as strong: the prior alone would leave next to nothing for light 1.
-    Prepass prepass(4000, 2, [](const Point3 &, uint32_t l, Float) { return l == 1; });
-    for (size_t i = 0; i < prepass.records.size(); ++i) {
-        ShadowRay *const rays = &prepass.rays[2 * i];
-        rays[0].share = rays[0].weight = i % 2 == 0 ? 0.999999f : 0;
-        rays[1].share = rays[1].weight = i % 2 == 0 ? 0.000001f : 1;
-    }
-    const VisibilityTree tree = prepass.Build(Settings(2));
-    const Float ratio = FactorAt(tree, Point3(0.4f), 0) / FactorAt(tree, Point3(0.4f), 1);
-    EXPECT_GT(ratio, 0);
-    EXPECT_LT(ratio, 1.1e-6f);
+TEST(VisibilityTree, AStrongLightBehindAWallStarvesNoWeakOne) {
+    const VisibilityTree tree = BesideAHiddenLight(1000);
+    EXPECT_GT(tree.LeafCount(), 8u);
+    EXPECT_LT(HiddenFactor(tree), 0.02f);
+}
+
+TEST(VisibilityTree, LightsThatWereNeverReachedGetAtMostHalfOfTheProbability) {
+    // Codes have steps of 9 %.
+    EXPECT_LT(HiddenFactor(BesideAHiddenLight(1e6f)), 1.1e-6f);
 }
 
 TEST(VisibilityTree, KeepsAllSplitsWithoutPruningAndHoldsFewRecordsPerLeaf) {

@@ -10,6 +10,37 @@
 
 namespace ext {
 
+/// Shadow ray from record x to light (group) l, of the prepass or the render.
+struct ShadowRay {
+    uint32_t light = 0;
+    Float share = 0;   ///< G_l(x) / sum of G over all lights; if lights are drawn, the sum is estimated from the
+                       ///< record's shadow rays
+    Float weight = 0;  ///< share over the expected number of draws of the light; a record's weights sum to 1
+    Float ratio = 0;   ///< measured contribution / G_l(x)
+};
+
+/// Limit of the lights that the shadow rays of a cell tested but never reached, as one may be a sun behind a wall:
+/// their weight is at most that of the other lights, in the median over the cell's records.
+class UnreachedLimit {
+  public:
+    /// Adds a record. `weightOf(ray)`: weight of the ray's light; `isUnreached(ray)`: true if the limit is for it.
+    void Add(std::span<const ShadowRay> record, auto &&weightOf, auto &&isUnreached) {
+        double unreached = 0, rest = 0;
+        for (const ShadowRay &ray : record) (isUnreached(ray) ? unreached : rest) += weightOf(ray);
+        if (unreached > 0 && rest > 0) ratios_.push_back(rest / unreached);
+    }
+    /// Factor, at most 1, of the weights of the unreached lights.
+    double Scale() {
+        if (ratios_.empty()) return 1;
+        const auto middle = ratios_.begin() + ratios_.size() / 2;
+        std::nth_element(ratios_.begin(), middle, ratios_.end());
+        return std::min(*middle, 1.0);
+    }
+
+  private:
+    std::vector<double> ratios_;
+};
+
 struct ShadowRaySums {
     uint32_t light = 0;            ///< or its position in the light tree, if any
     double wm = 0, w = 0, w2 = 0;  ///< sums of w m, w, w^2; m: the learned moment, contribution / G or its square
@@ -27,7 +58,8 @@ struct ShadowRaySums {
 /// Estimate: a node's moment is its moment in the parent cell times the ratio of measured to expected moment in this
 /// cell. Pseudo-rays shrink the ratio towards that of the node's parent in the light tree. So a light's records also
 /// inform its neighbours in the light tree, and untested lights keep the parent cell's moments. The root cell expects 1
-/// for every light.
+/// for every light. Nodes that shadow rays of the cell tested without reaching a light get at most about as much weight
+/// as the others, as one may be a sun behind a wall.
 ///
 /// Cut: minimizes sum_n share_n sqrt(moment_n), the square root of the second moment of a selection among the nodes.
 /// From the finest cut, the sibling pair with the lowest merge cost is merged repeatedly.
@@ -40,8 +72,9 @@ class CellCut {
     };
     CellCut() = default;
     /// `sums`: sorted by position; `weight`: sum of all their w; `above`: the parent cell's cut, or null.
+    /// `forEachRecord(visit)` calls visit with the shadow rays of each record of the cell.
     CellCut(const LightTree &lights, std::span<const ShadowRaySums> sums, double weight, const CellCut *above,
-            const Settings &settings) {
+            const Settings &settings, auto &&forEachRecord) {
         Merger merger{lights, sums, weight, above, settings};
         merger.SumUp();
         const double all = merger.w.back() > 0 ? merger.wm.back() / merger.w.back() : 0, prior = all > 0 ? all : 1;
@@ -57,10 +90,13 @@ class CellCut {
                 merger.Add(root, begin, end, indexAbove, double(estimate.moment), 1, double(estimate.share));
                 indexAbove = estimate.next;
             } else {
-                merger.Add(root, begin, end, {}, 1, prior, 1 / double(roots.size()));
+                const double share = weight > 0 ? (merger.w[end] - merger.w[begin]) / weight : 1 / double(roots.size());
+                merger.Add(root, begin, end, {}, 1, prior, share);
             }
             begin = end;
         }
+        merger.LimitUnreached(forEachRecord);
+        merger.SetKeys();
         const size_t far = lights.FarNodeCount();
         merger.JoinDownTo(kInherited * settings.nodes + far);
         merger.ForEach([&](const Merger::Item &item, bool) {
@@ -108,8 +144,9 @@ class CellCut {
         struct Item {
             uint32_t node = 0, next = 0, second = 0;  ///< `second`: item of the second child; 0: node of the cut
             double moment = 0, share = 0;
-            double cost = 0;  ///< contribution of the node to the cost of a cut
-            double key = 0;   ///< maximum merge cost at or below the node
+            double cost = 0;           ///< contribution of the node to the cost of a cut
+            double key = 0;            ///< maximum merge cost at or below the node
+            bool isUnreached = false;  ///< shadow rays to the node's lights found none
         };
         std::vector<Item> items = {};
         std::vector<double> w = {}, w2 = {}, wm = {},
@@ -141,7 +178,7 @@ class CellCut {
             const double ratio =
                 rays + k > 0 ? std::clamp((rays * measured + k * ratioBefore) / (rays + k), kMinRatio, kMaxRatio)
                              : ratioBefore;
-            Item item{.node = node};
+            Item item{.node = node, .isUnreached = begin < end && !(wm[end] > wm[begin])};
             item.moment = ratio * momentAbove;
             item.share = (sw + k * shareBefore) / std::max(weight + k, 1e-9);
             item.cost = CostOf(item);
@@ -172,14 +209,43 @@ class CellCut {
                 Add(first, begin, middle, a, momentA, ratio, shareA);
                 items[index].second = uint32_t(items.size());
                 Add(second, middle, end, b, momentB, ratio, item.share - shareA);
-                const Item &one = items[index + 1], &other = items[items[index].second];
-                items[index].key = std::max({item.cost - one.cost - other.cost, IsInner(index + 1) ? one.key : kNever,
-                                             other.second != 0 ? other.key : kNever});
             } else {
                 ++nodes;
-                total += item.cost;
             }
             items[index].next = uint32_t(items.size());
+        }
+        void LimitUnreached(auto &&forEachRecord) {
+            std::vector<uint32_t> finest, begins;
+            for (uint32_t i = 0; i < items.size(); ++i) {
+                if (IsInner(i)) continue;
+                finest.push_back(i);
+                begins.push_back(lights.At(items[i].node).begin);
+            }
+            const auto itemOf = [&](const ShadowRay &ray) -> const Item & {
+                const auto next = std::ranges::upper_bound(begins, lights.PositionOf(ray.light));
+                return items[finest[next - begins.begin() - 1]];
+            };
+            UnreachedLimit limit;
+            forEachRecord([&](std::span<const ShadowRay> record) {
+                limit.Add(
+                    record, [&](const ShadowRay &ray) { return double(ray.weight) * Factor(itemOf(ray)); },
+                    [&](const ShadowRay &ray) { return itemOf(ray).isUnreached; });
+            });
+            const double scale = limit.Scale();
+            for (Item &item : items) {
+                if (!item.isUnreached) continue;
+                item.moment *= settings.secondMoment ? scale * scale : scale;
+                item.cost *= scale;
+            }
+            for (const uint32_t i : finest) total += items[i].cost;
+        }
+        void SetKeys() {
+            for (size_t i = items.size(); i-- > 0;) {
+                if (!IsInner(i)) continue;
+                const Item &one = items[i + 1], &other = items[items[i].second];
+                items[i].key = std::max({items[i].cost - one.cost - other.cost, IsInner(i + 1) ? one.key : kNever,
+                                         other.second != 0 ? other.key : kNever});
+            }
         }
 
         double Factor(const Item &item) const { return settings.secondMoment ? std::sqrt(item.moment) : item.moment; }

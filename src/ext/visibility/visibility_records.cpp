@@ -11,6 +11,8 @@ namespace {
 
 constexpr size_t kMaxScanned = 64;
 constexpr int64_t kChunk = 256;
+/// Part of the drawn shadow rays that ignores G, as nearly all G may be that of a sun behind a wall.
+constexpr Float kUniformDraws = 0.125f;
 
 /// Contribution of a group from one light sample, as in the render: incident light over the light's share of the group.
 double SampleGroup(const Scene &scene, const PrepassVertex &vertex, const LightQuery &query,
@@ -67,14 +69,18 @@ struct ShadowRayTracer {
         const std::span<const uint32_t> nodes = tree ? tree->BaseCut() : std::span<const uint32_t>();
         const size_t count = tree ? nodes.size() : importance.Size();
         const Float sum = tree ? tree->Evaluate(query, nodes, weights) : importance.Evaluate(query, weights);
+        const std::span<Float> probabilities(weights, count);
+        const auto positive = Float(std::ranges::count_if(probabilities, [](Float w) { return w > 0; }));
+        for (Float &p : probabilities)
+            if (p > 0) p = (1 - kUniformDraws) * p / sum + kUniformDraws / positive;
         const auto draw = [&](Float u) -> std::optional<SampledLight> {
-            const auto chosen = ChooseByWeight<Float>(count, u * sum, [&](uint32_t i) { return weights[i]; });
+            const auto chosen = ChooseByWeight<Float>(count, u, [&](uint32_t i) { return weights[i]; });
             if (!chosen) return {};
-            const Float g = chosen.weight;
-            if (!tree) return SampledLight{LightId(chosen.index), g / sum};
+            const Float p = chosen.weight;
+            if (!tree) return SampledLight{LightId(chosen.index), p};
             std::optional<SampledLight> light = tree->SampleWithin(
-                nodes[chosen.index], query, std::clamp((u * sum - chosen.before) / g, Float(0), OneMinusEpsilon));
-            if (light) light->pmf *= g / sum;
+                nodes[chosen.index], query, std::clamp((u - chosen.before) / p, Float(0), OneMinusEpsilon));
+            if (light) light->pmf *= p;
             return light;
         };
         double total = 0;

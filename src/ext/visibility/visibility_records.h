@@ -21,8 +21,8 @@ struct VisibilityRecords {
 size_t RaysPerRecord(size_t groups, int wanted);
 
 /// Traces shadow rays from every vertex: to all groups that could contribute, if there are at most `perRecord` groups.
-/// Otherwise to `perRecord` groups drawn in proportion to G, through `tree` unless null. Vertices that no group could
-/// contribute to give no record. Deterministic for any number of threads.
+/// Otherwise to `perRecord` groups, most of them drawn in proportion to G, through `tree` unless null. Vertices that no
+/// group could contribute to give no record. Deterministic for any number of threads.
 VisibilityRecords TraceVisibility(PrepareContext &context, std::span<const PrepassVertex> vertices,
                                   const LightGroups &groups, const GroupImportance &importance,
                                   const MeshInterior &interior, const LightTree *tree, size_t perRecord);

@@ -15,15 +15,6 @@
 
 namespace ext {
 
-/// Shadow ray from record x to light (group) l, of the prepass or the render.
-struct ShadowRay {
-    uint32_t light = 0;
-    Float share = 0;   ///< G_l(x) / sum of G over all lights; if lights are drawn, the sum is estimated from the
-                       ///< record's shadow rays
-    Float weight = 0;  ///< share over the expected number of draws of the light; a record's weights sum to 1
-    Float ratio = 0;   ///< measured contribution / G_l(x)
-};
-
 /// A point with consecutive shadow rays.
 struct VisibilityRecord {
     Point3 p{};
@@ -48,7 +39,7 @@ struct VisibilityBuildSettings {
 /// Estimate in a cell: a_l^2 = sum w r^2 / sum w over its shadow rays to l. `shrinkage` pseudo-rays, against n = (sum
 /// w)^2 / sum w^2 effective rays, shrink it towards the parent's estimate, from the root down. The root's estimate
 /// shrinks towards the mean over all lights. Lights that no shadow ray of the cell reached get at most about as much
-/// weight as the others, as one may be a sun behind a wall. With a light tree, CellCut provides the estimates.
+/// weight as the others (see CellCut, which provides the estimates with a light tree).
 ///
 /// Size: cells are split while they hold more than 4 `records` records. One half of the records then provides
 /// estimates, the held-out half the second moment, sum_l f_l^2 / p_l, relative to the record's squared light. Children
@@ -218,7 +209,8 @@ class VisibilityTreeBuilder {
             // Four times the pseudo-rays, as the shrinkage targets (parent cell, neighbouring lights) are better
             // estimates.
             node.cut = CellCut(*settings_.lights, node.sums, weight, above ? &above->cut : nullptr,
-                               {4 * k, settings_.secondMoment, size_t(settings_.cut)});
+                               {4 * k, settings_.secondMoment, size_t(settings_.cut)},
+                               [&](auto &&visit) { ForEachRecord(node, visit); });
             return;
         }
         std::vector<const ShadowRaySums *> of(settings_.lightCount, nullptr);
@@ -231,24 +223,23 @@ class VisibilityTreeBuilder {
             const double value = n + k > 0 ? (n * mean + k * target) / (n + k) : target;
             node.factors.push_back(float(settings_.secondMoment ? std::sqrt(value) : value));
         }
-        LimitUnreached(node, [&](uint32_t l) { return of[l] && of[l]->wm > 0; });
+        const auto isUnreached = [&](uint32_t l) { return of[l] && !(of[l]->wm > 0); };
+        UnreachedLimit limit;
+        ForEachRecord(node, [&](std::span<const ShadowRay> record) {
+            limit.Add(
+                record, [&](const ShadowRay &ray) { return double(ray.weight) * double(node.factors[ray.light]); },
+                [&](const ShadowRay &ray) { return isUnreached(ray.light); });
+        });
+        const auto scale = float(limit.Scale());
+        for (uint32_t l = 0; l < of.size(); ++l)
+            if (isUnreached(l)) node.factors[l] *= scale;
     }
-    /// Scales the factors of lights that no shadow ray of the cell reached by the mean, over the cell's records, of the
-    /// scale (at most 1) that makes their weight equal to that of the other lights.
-    void LimitUnreached(Node &node, auto &&isReached) const {
-        double sum = 0;
-        int count = 0;
+    /// Calls visit with the shadow rays of every record of a node.
+    void ForEachRecord(const Node &node, auto &&visit) const {
         for (uint32_t i = node.begin; i < node.end; ++i) {
             const VisibilityRecord &record = records_[order_[i]];
-            double reached = 0, unreached = 0;
-            for (const ShadowRay &v : rays_.subspan(record.firstRay, record.rayCount))
-                (isReached(v.light) ? reached : unreached) += double(v.share) * double(node.factors[v.light]);
-            if (!(reached > 0 && unreached > 0)) continue;
-            sum += std::min(1.0, reached / unreached);
-            ++count;
+            visit(rays_.subspan(record.firstRay, record.rayCount));
         }
-        for (uint32_t l = 0; count > 0 && l < node.factors.size(); ++l)
-            if (!isReached(l)) node.factors[l] *= float(sum / count);
     }
     uint32_t NameOf(uint32_t light) const { return settings_.lights ? settings_.lights->PositionOf(light) : light; }
     double Loss(const VisibilityRecord &record, const std::vector<float> &factors) const {

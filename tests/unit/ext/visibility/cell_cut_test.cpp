@@ -35,7 +35,7 @@ CellCut Cut(const LightTree &tree, const std::vector<ShadowRaySums> &sums, const
             size_t nodes = 64) {
     double weight = 0;
     for (const ShadowRaySums &s : sums) weight += s.w;
-    return CellCut(tree, sums, weight, above, {.shrinkage = 4, .nodes = nodes});
+    return CellCut(tree, sums, weight, above, {.shrinkage = 4, .nodes = nodes}, [](auto &&) {});
 }
 
 double FactorOf(const LightTree &tree, const CellCut &cut, uint32_t lamp) {
@@ -121,6 +121,29 @@ TEST(CellCut, FewerNodesAreJoinsOfMore) {
         }
         finer = coarser;
     }
+}
+
+TEST(CellCut, AHiddenLightGetsAtMostHalfOfTheProbability) {
+    // Every record tests the hidden lamp 5, at nearly all of the weight, and one of the others.
+    constexpr float kWeak = 1e-5f;
+    const LightTree tree = Clouds();
+    std::vector<ShadowRay> rays;
+    std::vector<ShadowRaySums> sums;
+    for (uint32_t position = 0; position < tree.LightCount(); ++position) {
+        const uint32_t lamp = tree.LightAt(position);
+        const auto weak = double(kWeak);
+        sums.push_back(lamp == 5 ? ShadowRaySums{position, 0, 630, 630}
+                                 : ShadowRaySums{position, 10 * weak, 10 * weak, 10 * weak * weak});
+        for (int k = 0; k < (lamp == 5 ? 0 : 10); ++k) {
+            rays.push_back({5, 1 - kWeak, 1 - kWeak, 0});
+            rays.push_back({lamp, kWeak, kWeak, 1});
+        }
+    }
+    const auto forEachRecord = [&](auto &&visit) {
+        for (size_t i = 0; i < rays.size(); i += 2) visit(std::span<const ShadowRay>(&rays[i], 2));
+    };
+    const CellCut cut(tree, sums, 630, nullptr, {}, forEachRecord);
+    EXPECT_LE(FactorOf(tree, cut, 5), 1.01 * double(kWeak) * FactorOf(tree, cut, 50));
 }
 
 }  // namespace

@@ -5,7 +5,6 @@
 #include <sstream>
 
 #include "pbrt/build/light_sampler_spec.h"
-#include "pbrt/core/files.h"
 #include "pbrt/core/log.h"
 #include "pbrt/core/version.h"
 #include "pbrt/scenefile/content_hash.h"

@@ -1,7 +1,6 @@
 #include "ext/lightgroups/mesh_interior.h"
 
 #include "pbrt/core/parallel.h"
-#include "pbrt/lightsamplers/weighted_choice.h"
 
 namespace ext {
 

@@ -4,7 +4,6 @@
 #include <ranges>
 #include <unordered_map>
 
-#include "pbrt/core/error.h"
 #include "pbrt/core/parallel.h"
 #include "pbrt/math/rng.h"
 

@@ -1,6 +1,5 @@
 #include "pbrt/media/medium_factory.h"
 
-#include "pbrt/core/params.h"
 #include "pbrt/media/medium_kinds.h"
 #include "pbrt/media/voxel_media.h"
 #include "pbrt/spectra/spectral_data.h"

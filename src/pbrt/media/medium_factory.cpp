@@ -2,7 +2,6 @@
 
 #include "pbrt/media/medium_kinds.h"
 #include "pbrt/media/voxel_media.h"
-#include "pbrt/spectra/spectral_data.h"
 #include "pbrt/spectra/spectrum_params.h"
 
 namespace pbrt {

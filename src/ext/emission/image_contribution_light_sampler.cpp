@@ -5,7 +5,6 @@
 
 #include "ext/prepass/prepass.h"
 #include "pbrt/core/effective_params_text.h"
-#include "pbrt/core/progress.h"
 #include "pbrt/integrators/registry.h"
 #include "pbrt/lightsamplers/bvh_light_sampler.h"
 #include "pbrt/math/warps.h"

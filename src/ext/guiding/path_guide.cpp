@@ -4,10 +4,7 @@
 
 #include "ext/guiding/guided_directions.h"
 #include "pbrt/core/effective_params_text.h"
-#include "pbrt/core/progress.h"
 #include "pbrt/integrators/registry.h"
-#include "pbrt/math/bounds.h"
-#include "pbrt/scene/scene.h"
 
 namespace ext {
 namespace {

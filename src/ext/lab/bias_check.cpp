@@ -10,7 +10,6 @@
 #include <ranges>
 #include <utility>
 
-#include "pbrt/core/error.h"
 #include "pbrt/images/metrics.h"
 #include "pbrt/math/statistics.h"
 

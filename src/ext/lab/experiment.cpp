@@ -7,11 +7,9 @@
 #include "ext/lab/pictures.h"
 #include "ext/lab/results.h"
 #include "ext/lab/sampler_run.h"
-#include "pbrt/core/files.h"
 #include "pbrt/core/log.h"
 #include "pbrt/core/parallel.h"
 #include "pbrt/core/version.h"
-#include "pbrt/integrators/render_loop.h"
 #include "pbrt/math/statistics.h"
 
 namespace ext::lab {

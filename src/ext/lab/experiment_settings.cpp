@@ -1,26 +1,17 @@
 #include "ext/lab/experiment_settings.h"
 
+#include <boost/algorithm/string/trim.hpp>
 #include <cctype>
 #include <set>
 #include <sstream>
 
 #include "pbrt/build/light_sampler_spec.h"
-#include "pbrt/core/files.h"
 #include "pbrt/core/log.h"
 #include "pbrt/core/version.h"
 #include "pbrt/scenefile/content_hash.h"
 #include "pbrt/scenefile/parser.h"
 
 namespace ext::lab {
-namespace {
-
-std::string Trim(const std::string &text) {
-    size_t begin = text.find_first_not_of(" \t\r\n");
-    if (begin == std::string::npos) return {};
-    return text.substr(begin, text.find_last_not_of(" \t\r\n") - begin + 1);
-}
-
-}  // namespace
 
 std::string SafeFileName(std::string text, std::string_view kept) {
     for (char &c : text)
@@ -37,8 +28,8 @@ std::vector<std::string> SplitSamplerList(const std::string &text) {
         for (std::string piece; std::getline(in, piece, ',');) {
             size_t stop = piece.find_first_of("=:+");
             if (stop != std::string::npos && piece[stop] == '=' && list.size() > first)
-                list.back().append(",").append(Trim(piece));
-            else list.push_back(Trim(piece));
+                list.back().append(",").append(boost::trim_copy(piece));
+            else list.push_back(boost::trim_copy(piece));
         }
     }
     return list;
@@ -48,7 +39,8 @@ std::vector<std::string> ReadSamplerFile(const std::string &path) {
     std::vector<std::string> list;
     std::istringstream in(ReadFileContents(path));
     for (std::string line; std::getline(in, line);)
-        if (std::string sampler = Trim(line.substr(0, line.find('#'))); !sampler.empty()) list.push_back(sampler);
+        if (std::string sampler = boost::trim_copy(line.substr(0, line.find('#'))); !sampler.empty())
+            list.push_back(sampler);
     if (list.empty()) throw UserError("{}: names no light sampler.", path);
     return list;
 }

@@ -5,14 +5,7 @@
 
 #include "ext/lab/experiment_settings.h"
 #include "ext/lab/tile_statistics.h"
-#include "pbrt/core/counters.h"
-#include "pbrt/core/error.h"
 #include "pbrt/core/parallel.h"
-#include "pbrt/integrators/direction_sampling.h"
-#include "pbrt/integrators/pixel_integrator.h"
-#include "pbrt/math/rng.h"
-#include "pbrt/transport/path_walk.h"
-#include "pbrt/transport/vertex.h"
 
 namespace ext::lab {
 namespace {

@@ -9,8 +9,6 @@
 #include "ext/lab/results.h"
 #include "ext/lab/sampler_run.h"
 #include "ext/lab/tile_statistics.h"
-#include "pbrt/core/error.h"
-#include "pbrt/core/files.h"
 #include "pbrt/images/metrics.h"
 
 namespace ext::lab {

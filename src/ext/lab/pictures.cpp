@@ -7,10 +7,7 @@
 #include <filesystem>
 
 #include "ext/lab/inspect.h"
-#include "ext/lab/tile_statistics.h"
-#include "pbrt/core/files.h"
 #include "pbrt/images/false_color.h"
-#include "pbrt/images/metrics.h"
 
 namespace ext::lab {
 namespace {

@@ -4,13 +4,8 @@
 #include <cstdlib>
 #include <filesystem>
 
-#include "ext/lab/bias_check.h"
 #include "ext/lab/sampler_run.h"
-#include "ext/lab/tile_statistics.h"
-#include "pbrt/core/error.h"
-#include "pbrt/core/files.h"
 #include "pbrt/core/log.h"
-#include "pbrt/images/metrics.h"
 #include "pbrt/scenefile/content_hash.h"
 
 namespace ext::lab {

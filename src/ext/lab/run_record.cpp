@@ -9,8 +9,22 @@
 namespace ext::lab {
 namespace {
 
-Json TimesJson(const TimeSpent &t) { return {{"wall", t.wall}, {"cpu", t.cpu}}; }
-TimeSpent TimeFromJson(const Json &json) { return {json.at("wall").get<double>(), json.at("cpu").get<double>()}; }
+/// Calls f(place in the file, member) for all that the file of a round holds, but its measures.
+void ForEachMember(auto &run, auto &round, auto &&f) {
+    f("/seed", run.seed);
+    f("/checkpoint", round.checkpoint);
+    f("/samples", round.samples);
+    f("/spent/wall", round.spent.wall);
+    f("/spent/cpu", round.spent.cpu);
+    f("/shadowRays", round.shadowRays);
+    f("/shadowRaysBlocked", round.shadowRaysBlocked);
+    f("/expectedSamples", run.expectedSamples);
+    f("/prepare/wall", run.prepare.wall);
+    f("/prepare/cpu", run.prepare.cpu);
+    f("/prepareShadowRays", run.prepareShadowRays);
+    f("/report", run.report);
+    f("/structure", run.structure);
+}
 
 bool IsPossible(const RunRecord &run) {
     const auto isTime = [](const TimeSpent &t) {
@@ -36,22 +50,12 @@ RunRecord RecordFolder::LoadRun(const std::string &sampler, int seed, size_t max
         const Json json = LoadOwn(RoundFile(sampler, seed, checkpoint));
         if (!json.is_object()) break;
         try {
-            if (json.at("checkpoint") != checkpoint || json.at("seed") != seed) break;
-            RoundRecord round;
-            round.checkpoint = checkpoint;
-            round.samples = json.at("samples").get<int>();
-            round.spent = TimeFromJson(json.at("spent"));
-            round.shadowRays = json.at("shadowRays").get<uint64_t>();
-            round.shadowRaysBlocked = json.at("shadowRaysBlocked").get<uint64_t>();
-            round.measures = MeasuresFromJson(json.at("metrics"));
             RunRecord upToHere = run;
-            upToHere.expectedSamples = json.at("expectedSamples").get<int>();
-            upToHere.prepare = TimeFromJson(json.at("prepare"));
-            upToHere.prepareShadowRays = json.at("prepareShadowRays").get<uint64_t>();
-            upToHere.report = json.at("report");
-            upToHere.structure = json.at("structure").get<std::string>();
-            upToHere.rounds.push_back(round);
-            if (!IsPossible(upToHere)) break;
+            RoundRecord &round = upToHere.rounds.emplace_back();
+            ForEachMember(upToHere, round,
+                          [&](const char *place, auto &member) { json.at(Json::json_pointer(place)).get_to(member); });
+            round.measures = MeasuresFromJson(json.at("metrics"));
+            if (round.checkpoint != checkpoint || upToHere.seed != seed || !IsPossible(upToHere)) break;
             run = std::move(upToHere);
         } catch (const Json::exception &) {
             break;
@@ -62,19 +66,8 @@ RunRecord RecordFolder::LoadRun(const std::string &sampler, int seed, size_t max
 
 void RecordFolder::SaveLastRound(const std::string &sampler, const RunRecord &run) const {
     const RoundRecord &round = run.rounds.back();
-    const Json json = {{"experiment", experiment_},
-                       {"seed", run.seed},
-                       {"checkpoint", round.checkpoint},
-                       {"samples", round.samples},
-                       {"spent", TimesJson(round.spent)},
-                       {"metrics", ToJson(round.measures)},
-                       {"shadowRays", round.shadowRays},
-                       {"shadowRaysBlocked", round.shadowRaysBlocked},
-                       {"expectedSamples", run.expectedSamples},
-                       {"prepare", TimesJson(run.prepare)},
-                       {"prepareShadowRays", run.prepareShadowRays},
-                       {"report", run.report},
-                       {"structure", run.structure}};
+    Json json = {{"experiment", experiment_}, {"metrics", ToJson(round.measures)}};
+    ForEachMember(run, round, [&](const char *place, const auto &member) { json[Json::json_pointer(place)] = member; });
     WriteFile(RoundFile(sampler, run.seed, round.checkpoint), json.dump(1) + "\n");
 }
 

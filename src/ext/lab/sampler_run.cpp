@@ -3,9 +3,6 @@
 #include <algorithm>
 #include <cmath>
 
-#include "pbrt/core/counters.h"
-#include "pbrt/core/error.h"
-#include "pbrt/core/files.h"
 #include "pbrt/core/log.h"
 
 namespace ext::lab {

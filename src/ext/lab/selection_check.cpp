@@ -7,9 +7,7 @@
 #include <limits>
 
 #include "pbrt/core/parallel.h"
-#include "pbrt/math/rng.h"
 #include "pbrt/math/statistics.h"
-#include "pbrt/math/warps.h"
 
 // Method. Samplers differ only in their light selection probabilities, so bias is tested at the vertices of paths,
 // generated as in the render.

@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <array>
+#include <boost/algorithm/string.hpp>
 #include <ctime>
 #include <filesystem>
 #include <fstream>
@@ -23,10 +24,7 @@ std::string ValueInFile(const char *path, const std::string &key, char separator
         if (!line.starts_with(key)) continue;
         size_t at = line.find(separator);
         if (at == std::string::npos) continue;
-        std::string value = line.substr(at + 1);
-        value.erase(0, value.find_first_not_of(" \t\""));
-        value.erase(value.find_last_not_of(" \t\"") + 1);
-        return value;
+        return boost::trim_copy_if(line.substr(at + 1), boost::is_any_of(" \t\""));
     }
     return {};
 }

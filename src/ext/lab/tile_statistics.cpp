@@ -3,7 +3,6 @@
 #include <cmath>
 #include <limits>
 
-#include "pbrt/core/error.h"
 #include "pbrt/images/metrics.h"
 
 namespace ext::lab {

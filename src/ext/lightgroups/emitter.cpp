@@ -1,7 +1,6 @@
 #include "ext/lightgroups/emitter.h"
 
 #include "pbrt/lights/environment_light.h"
-#include "pbrt/math/lanes.h"
 #include "pbrt/math/simd_ops.h"
 
 namespace ext {

@@ -119,16 +119,13 @@ EmitterTree::EmitterTree(std::span<const Emitter> emitters) : places_(emitters.s
         begin += node.count;
     }
     packets_.resize((begin + kLanes - 1) / kLanes);
-    for (const Branch &node : nodes_)
-        for (size_t c = 0; c < node.count; ++c) {
+    for (uint32_t n = 0; n < nodes_.size(); ++n)
+        for (uint32_t c = 0; c < nodes_[n].count; ++c) {
+            const Branch &node = nodes_[n];
             const uint32_t child = children_[node.firstChild + c];
             const size_t lane = node.firstLane + c;
             packets_[node.firstPacket + lane / kLanes].Set(
                 lane % kLanes, child & kLeaf ? emitters[child & ~kLeaf] : tree.unions[child]);
-        }
-    for (uint32_t n = 0; n < nodes_.size(); ++n)
-        for (uint32_t c = 0; c < nodes_[n].count; ++c) {
-            const uint32_t child = children_[nodes_[n].firstChild + c];
             if (child & kLeaf) places_[child & ~kLeaf] = {n, c};
         }
     for (uint32_t i = 0; i < far_.size(); ++i) places_[far_[i].index] = {0, nodes_[0].count + i};

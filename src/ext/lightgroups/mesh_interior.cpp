@@ -1,23 +1,21 @@
 #include "ext/lightgroups/mesh_interior.h"
 
 #include "pbrt/core/parallel.h"
-#include "pbrt/lightsamplers/weighted_choice.h"
 
 namespace ext {
 
 MeshInterior::MeshInterior(const LightGroups &groups, bool byImportance)
     : groups_(groups), byImportance_(byImportance), inner_(groups.Size()) {
     if (!byImportance) return;
-    ParallelFor(groups.Size(), 4, [&](int64_t begin, int64_t end) {
-        for (auto g = uint32_t(begin); g < uint32_t(end); ++g) {
-            const uint32_t count = groups.CountOf(g);
-            if (count == 1) continue;
-            std::vector<Emitter> emitters;
-            for (uint32_t i = groups.FirstOf(g), last = i + count; i < last; ++i)
-                emitters.push_back(MakeEmitter(groups.Lights(), LightId(i), groups.Lights().Candidate(LightId(i))));
-            if (count <= kMaxScan) inner_[g].scan = std::make_unique<GroupImportance>(emitters);
-            else inner_[g].tree = std::make_unique<EmitterTree>(emitters);
-        }
+    ParallelForEach(groups.Size(), 4, [&](int64_t index) {
+        const auto g = uint32_t(index);
+        const uint32_t count = groups.CountOf(g);
+        if (count == 1) return;
+        std::vector<Emitter> emitters;
+        for (uint32_t i = groups.FirstOf(g), last = i + count; i < last; ++i)
+            emitters.push_back(MakeEmitter(groups.Lights(), LightId(i), groups.Lights().Candidate(LightId(i))));
+        if (count <= kMaxScan) inner_[g].scan = std::make_unique<GroupImportance>(emitters);
+        else inner_[g].tree = std::make_unique<EmitterTree>(emitters);
     });
 }
 

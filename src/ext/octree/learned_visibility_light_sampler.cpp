@@ -6,7 +6,6 @@
 
 #include "ext/octree/prepass_budget.h"
 #include "pbrt/core/effective_params_text.h"
-#include "pbrt/core/progress.h"
 
 namespace ext {
 namespace {

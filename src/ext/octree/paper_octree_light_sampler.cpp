@@ -6,7 +6,6 @@
 #include "ext/prepass/prepass.h"
 #include "pbrt/core/effective_params_text.h"
 #include "pbrt/core/log.h"
-#include "pbrt/core/progress.h"
 #include "pbrt/lightsamplers/bvh_light_sampler.h"
 #include "pbrt/lightsamplers/exhaustive_light_sampler.h"
 

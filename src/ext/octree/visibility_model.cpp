@@ -5,10 +5,6 @@
 #include <cmath>
 #include <nlohmann/json.hpp>
 
-#include "ext/visibility/visibility_tree_builder.h"
-#include "pbrt/core/progress.h"
-#include "pbrt/scene/scene.h"
-
 namespace ext {
 namespace {
 

@@ -2,10 +2,6 @@
 
 #include <algorithm>
 
-#include "pbrt/bxdfs/bsdf.h"
-#include "pbrt/bxdfs/henyey_greenstein.h"
-#include "pbrt/lightsamplers/weighted_choice.h"
-
 namespace ext {
 namespace {
 

@@ -1,11 +1,5 @@
 #include "ext/visibility/visibility_records.h"
 
-#include "pbrt/core/error.h"
-#include "pbrt/core/parallel.h"
-#include "pbrt/core/team.h"
-#include "pbrt/lightsamplers/weighted_choice.h"
-#include "pbrt/math/rng.h"
-
 namespace ext {
 namespace {
 

@@ -3,8 +3,6 @@
 #include <fmt/format.h>
 #include <algorithm>
 
-#include "pbrt/core/error.h"
-
 namespace ext {
 
 VoxelGrid::VoxelGrid(const Bounds3 &bounds, int voxels) {

@@ -127,20 +127,16 @@ std::vector<FamilyDoc> AllFamilies(const PluginRegistry &registry) {
     return all;
 }
 
-/// Families of a replaced directive, or of a target of Attribute.
-const std::vector<std::string> &FamiliesOf(const std::string &key) {
-    static const std::map<std::string, std::vector<std::string>> families = {
-        {"Accelerator", {"accelerators"}},
-        {"Camera", {"cameras"}},
-        {"Film", {"films"}},
-        {"PixelFilter", {"filters"}},
-        {"Sampler", {"samplers"}},
+/// True for the families of a replaced directive, or of a target of Attribute.
+bool IsOf(const FamilyDoc &family, const std::string &key) {
+    static const std::map<std::string, std::vector<std::string>> ofTarget = {
         {"light", {"lights", "arealights"}},
         {"material", {"materials"}},
         {"medium", {"media"}},
         {"shape", {"shapes"}},
         {"texture", {"floattextures", "spectrumtextures"}}};
-    return families.at(key);
+    const auto target = ofTarget.find(key);
+    return target == ofTarget.end() ? family.what == key : std::ranges::count(target->second, family.name) > 0;
 }
 
 }  // namespace
@@ -156,9 +152,8 @@ void CheckUnbuilt(const SceneDescription &d, const PluginRegistry &registry, Dia
         ParamReader reader(entity.params);
         std::set<std::pair<std::string, ParamType>> declared;
         if (key == "material" || key == "medium") reader.Declare("type", ParamType::String);
-        const std::vector<std::string> &possible = FamiliesOf(key);
         for (const FamilyDoc &family : families) {
-            if (std::ranges::find(possible, family.name) == possible.end()) continue;
+            if (!IsOf(family, key)) continue;
             std::vector<std::string> names;
             for (const FactoryDoc &maker : family.makers) {
                 names.push_back(maker.name);

@@ -1,6 +1,5 @@
 #include "pbrt/bxdfs/bssrdf.h"
 
-#include "pbrt/bxdfs/fresnel.h"
 #include "pbrt/bxdfs/shared_table.h"
 #include "pbrt/core/parallel.h"
 

@@ -49,13 +49,11 @@ CoatTable CoatTable::Compute(Float eta, Float thickness, std::optional<Float> al
     table.inner_.resize(table.alphas_.size());
     // One more than the knots: the last task of a row computes inner_.
     constexpr size_t kTasks = ClearCoat::kCosines + 1;
-    ParallelFor(int64_t(table.alphas_.size() * kTasks), 16, [&](int64_t begin, int64_t end) {
-        for (auto i = size_t(begin); i < size_t(end); ++i) {
-            const size_t row = i / kTasks, knot = i % kTasks;
-            const DielectricBxdf top(eta, TrowbridgeReitz(table.alphas_[row], table.alphas_[row]));
-            if (knot < ClearCoat::kCosines) table.rows_[row][knot] = table.SharesAt(top, ClearCoat::CosineOf(knot));
-            else table.inner_[row] = table.InnerReflectance(top);
-        }
+    ParallelForEach(int64_t(table.alphas_.size() * kTasks), 16, [&](int64_t i) {
+        const size_t row = i / kTasks, knot = i % kTasks;
+        const DielectricBxdf top(eta, TrowbridgeReitz(table.alphas_[row], table.alphas_[row]));
+        if (knot < ClearCoat::kCosines) table.rows_[row][knot] = table.SharesAt(top, ClearCoat::CosineOf(knot));
+        else table.inner_[row] = table.InnerReflectance(top);
     });
     return table;
 }

@@ -3,24 +3,8 @@
 
 namespace pbrt {
 
-/// Unpolarised reflectance of a smooth dielectric boundary; 1 under total internal reflection. `eta` is the index below
-/// (z < 0) over the index above; negative cosThetaI: light from below.
-inline Float FresnelDielectric(Float cosThetaI, Float eta) {
-    cosThetaI = std::clamp(cosThetaI, Float(-1), Float(1));
-    if (cosThetaI < 0) {
-        eta = 1 / eta;
-        cosThetaI = -cosThetaI;
-    }
-    Float sin2T = (1 - cosThetaI * cosThetaI) / (eta * eta);
-    if (sin2T >= 1) return 1;
-    Float cosThetaT = std::sqrt(1 - sin2T);
-    Float parallel = (eta * cosThetaI - cosThetaT) / (eta * cosThetaI + cosThetaT);
-    Float perpendicular = (cosThetaI - eta * cosThetaT) / (cosThetaI + eta * cosThetaT);
-    return (parallel * parallel + perpendicular * perpendicular) / 2;
-}
-
-/// The same for cosine cosI >= 0; `eta`: index on the far side over the near side. `cosT` gets the cosine of the
-/// refracted direction.
+/// Unpolarised reflectance of a smooth dielectric boundary; 1 under total internal reflection. `cosI`: in [0, 1];
+/// `eta`: index on the far side over the near side. `cosT` gets the cosine of the refracted direction, if there is one.
 inline Float FresnelDielectric(Float cosI, Float eta, Float *cosT) {
     const Float sin2T = (1 - cosI * cosI) / (eta * eta);
     if (!(sin2T < 1)) return 1;
@@ -28,6 +12,12 @@ inline Float FresnelDielectric(Float cosI, Float eta, Float *cosT) {
     const Float parallel = (eta * cosI - *cosT) / (eta * cosI + *cosT);
     const Float perpendicular = (cosI - eta * *cosT) / (cosI + eta * *cosT);
     return (parallel * parallel + perpendicular * perpendicular) / 2;
+}
+
+/// The same for `eta`, the index below (z < 0) over the index above; negative cosThetaI: light from below.
+inline Float FresnelDielectric(Float cosThetaI, Float eta) {
+    Float cosT;
+    return FresnelDielectric(std::min(std::abs(cosThetaI), Float(1)), cosThetaI < 0 ? 1 / eta : eta, &cosT);
 }
 
 /// Unpolarised reflectance of complex relative index eta + i k (Born and Wolf, Principles of Optics, 14.2). Sums of

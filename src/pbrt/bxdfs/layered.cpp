@@ -1,6 +1,5 @@
 #include "pbrt/bxdfs/layered.h"
 
-#include "pbrt/bxdfs/fresnel.h"
 #include "pbrt/bxdfs/henyey_greenstein.h"
 #include "pbrt/math/rng.h"
 

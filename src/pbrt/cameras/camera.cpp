@@ -4,9 +4,7 @@
 #include <limits>
 
 #include "pbrt/cameras/camera_kinds.h"
-#include "pbrt/core/params.h"
 #include "pbrt/math/frame.h"
-#include "pbrt/math/transform.h"
 
 namespace pbrt {
 namespace {

@@ -122,8 +122,7 @@ ApertureImage ApertureImage::Read(const std::string &name, const FileResolver &f
     if (name.empty()) return {};
     if (std::find(kShapes.begin(), kShapes.end(), name) != kShapes.end()) return ApertureImage(DrawShape(name));
     const std::string path = files.Resolve(name);
-    std::error_code ignored;
-    if (!std::filesystem::exists(path, ignored))
+    if (!FileExists(path))
         throw UserError("\"aperture\" \"{}\" is neither a file nor a built-in shape; {}.", name,
                         ListChoices(name, kShapes));
     return ApertureImage(Mono(ReadImage(path).image, path));

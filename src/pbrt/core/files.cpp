@@ -12,8 +12,6 @@
 #include <cstring>
 #include <memory>
 
-#include "pbrt/core/error.h"
-
 namespace pbrt {
 
 namespace {

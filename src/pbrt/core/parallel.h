@@ -32,6 +32,12 @@ void ParallelFor(int64_t count, int64_t grain, const std::function<void(int64_t,
 
 /// Calls body(i) for i in [0, count), each as its own task (tiles, files).
 void ParallelForEach(int64_t count, const std::function<void(int64_t)> &body);
+/// The same in tasks of about `grain` indices (ParallelFor), for short bodies.
+void ParallelForEach(int64_t count, int64_t grain, auto &&body) {
+    ParallelFor(count, grain, [&](int64_t begin, int64_t end) {
+        for (int64_t i = begin; i < end; ++i) body(i);
+    });
+}
 
 /// Runs both, possibly concurrently.
 void ParallelInvoke(const std::function<void()> &a, const std::function<void()> &b);

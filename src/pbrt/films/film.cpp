@@ -14,7 +14,7 @@
 namespace pbrt {
 namespace {
 
-[[noreturn]] void ThrowOtherFilm() { throw UserError("the saved state of a film does not belong to this film."); }
+constexpr const char *kOther = "its sums are of another film";
 
 /// A loaded state: kind and pixels of the film, and its sums by name.
 struct SavedState {
@@ -24,39 +24,17 @@ struct SavedState {
 };
 
 constexpr std::array<char, 8> kMagic = {'p', 'b', 'r', 't', 'f', 'l', 'm', '3'};  // the last byte is the version
-constexpr uint64_t kMaxNameLength = 64, kMaxBlocks = 64;
-
-std::string_view Take(StateReader &in, uint64_t bytes) {
-    if (bytes > in.BytesLeft()) throw UserError("the saved state of a film ends too early.");
-    return in.Take(bytes);
-}
-
-template <class T>
-T ReadValue(StateReader &in) {
-    T value;
-    std::memcpy(&value, Take(in, sizeof(value)).data(), sizeof(value));
-    return value;
-}
-
-std::string ReadName(StateReader &in) {
-    const auto length = ReadValue<uint64_t>(in);
-    if (length > kMaxNameLength) ThrowOtherFilm();
-    return std::string(Take(in, length));
-}
 
 /// Throws UserError for truncated or other data.
 SavedState ReadState(StateReader &in) {
     SavedState state;
-    const auto magic = ReadValue<std::array<char, 8>>(in);
-    if (!std::equal(kMagic.begin(), kMagic.end() - 1, magic.begin())) ThrowOtherFilm();
-    if (magic != kMagic) throw UserError("the saved state of a film is of another version of the program.");
-    state.kind = ReadName(in);
-    state.pixelBounds = ReadValue<Bounds2i>(in);
-    const auto count = ReadValue<uint64_t>(in);
-    if (count > kMaxBlocks) ThrowOtherFilm();
-    for (uint64_t i = 0; i < count; ++i) {
-        const std::string name = ReadName(in);
-        state.sums[name] = Take(in, ReadValue<uint64_t>(in));
+    const auto magic = in.Value<std::array<char, 8>>();
+    in.Require(std::equal(kMagic.begin(), kMagic.end() - 1, magic.begin()), kOther);
+    in.Require(magic == kMagic, "its film is of another version of the program");
+    in(state.kind, state.pixelBounds);
+    for (auto count = in.Value<uint64_t>(); count > 0; --count) {
+        const std::string name = in.Text();
+        state.sums[name] = in.Take(in.Value<uint64_t>());
     }
     return state;
 }
@@ -213,11 +191,10 @@ void Film::AddSums(StateReader &in) {
     if (in.Value<bool>() && !HasSplats(Blocks())) ExpectSplats();
     for (const StateBlock &block : Blocks()) {
         const auto all = in.Value<uint64_t>();
-        in.Require(all == block.bytes || (block.isOfSplats && all == 0), "its sums are of another film");
+        in.Require(all == block.bytes || (block.isOfSplats && all == 0), kOther);
         for (auto begin = in.Value<uint64_t>(); begin < all; begin = in.Value<uint64_t>()) {
             const auto bytes = in.Value<uint64_t>();
-            in.Require(bytes <= all - begin && begin % block.sumBytes == 0 && bytes % block.sumBytes == 0,
-                       "its sums are of another film");
+            in.Require(bytes <= all - begin && begin % block.sumBytes == 0 && bytes % block.sumBytes == 0, kOther);
             block.add(block.data + begin, reinterpret_cast<const std::byte *>(in.Take(bytes).data()), bytes);
         }
     }
@@ -227,9 +204,9 @@ void Film::Add(StateReader &in, bool forgetsFirst) {
     const SavedState state = ReadState(in);
     std::vector<StateBlock> blocks = Blocks();
     const auto isSaved = [&](const StateBlock &block) { return state.sums.contains(block.name); };
-    if (state.kind != kind_ || state.pixelBounds.low != PixelBounds().low ||
-        state.pixelBounds.high != PixelBounds().high || !std::ranges::all_of(blocks, isSaved))
-        ThrowOtherFilm();
+    in.Require(state.kind == kind_ && state.pixelBounds.low == PixelBounds().low &&
+                   state.pixelBounds.high == PixelBounds().high && std::ranges::all_of(blocks, isSaved),
+               kOther);
     const auto lacksRoom = [&](const StateBlock &block) {
         return block.isOfSplats && block.bytes == 0 && !state.sums.at(block.name).empty();
     };
@@ -239,9 +216,8 @@ void Film::Add(StateReader &in, bool forgetsFirst) {
     }
     for (const StateBlock &block : blocks) {
         const std::string_view saved = state.sums.at(block.name);
-        if (saved.size() != block.bytes && !(block.isOfSplats && saved.empty())) ThrowOtherFilm();
-        if (!block.isOfSplats && !AreFinite(saved))
-            throw UserError("the saved state of a film has sums that are not finite.");
+        in.Require(saved.size() == block.bytes || (block.isOfSplats && saved.empty()), kOther);
+        in.Require(block.isOfSplats || AreFinite(saved), "its film has sums that are not finite");
     }
     for (const StateBlock &block : blocks) {
         const std::string_view saved = state.sums.at(block.name);

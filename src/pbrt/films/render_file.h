@@ -95,15 +95,11 @@ class RenderFile {
     StateReader Learned() const { return {file_.Section("learned"), Path()}; }
 
   private:
-    /// Adds the file name to errors. Throws UserError if `read` leaves data, or a pixel becomes non-finite.
+    /// Throws UserError if `read` fails or leaves data, or a pixel becomes non-finite.
     void ReadFilm(const char *section, Film &film, void (Film::*read)(StateReader &)) const {
         StateReader in(file_.Section(section), Path());
-        try {
-            (film.*read)(in);
-        } catch (const UserError &e) {
-            throw UserError("{}: {}", Path(), e.Diagnostics()[0].message);
-        }
-        in.Require(in.BytesLeft() == 0, "its film is too long");
+        (film.*read)(in);
+        in.RequireEnd();
         const Image colors = film.Colors();
         ForEachValue(colors, [&](Point2i p, int c) {
             in.Require(std::isfinite(colors.Get(p, c)), "a pixel of its film is not finite");

@@ -50,11 +50,9 @@ class RgbFilm : public Film {
     Image Colors() const final {
         Image image(PixelFormat::Float, Resolution(), {"R", "G", "B"}, ColorEncoding{ColorEncoding::Kind::Linear});
         auto *values = static_cast<float *>(image.Data());
-        ParallelFor(pixels_.size(), 1 << 12, [&](int64_t begin, int64_t end) {
-            for (int64_t i = begin; i < end; ++i) {
-                const Rgb rgb = ColorOf(i);
-                for (int c = 0; c < 3; ++c) values[3 * i + c] = rgb[c];
-            }
+        ParallelForEach(pixels_.size(), 1 << 12, [&](int64_t i) {
+            const Rgb rgb = ColorOf(i);
+            for (int c = 0; c < 3; ++c) values[3 * i + c] = rgb[c];
         });
         return image;
     }

@@ -1,8 +1,6 @@
 #include "pbrt/images/metrics.h"
 
 #include <algorithm>
-#include <cmath>
-#include <numeric>
 
 #include "pbrt/core/error.h"
 #include "pbrt/core/parallel.h"
@@ -210,20 +208,18 @@ FlipReference::Percept FlipReference::Perceive(const std::vector<float> &planes,
     const bool isHdr = !exposures_.empty();
     const float factor = isHdr ? float(std::exp2(exposures_[exposure])) : 1;
     Plane yy(n), cx(n), cz(n), lightness(n);
-    ParallelFor(n, 4096, [&](int64_t begin, int64_t end) {
-        for (int64_t i = begin; i < end; ++i) {
-            Rgb rgb;
-            for (int c = 0; c < 3; ++c) {
-                const float v = planes[c * n + i];
-                rgb[c] = isHdr ? ToneMap(v * factor) : std::clamp(v, 0.f, 1.f);
-            }
-            // Opponent space of the filters: CIELAB without the cube root.
-            const Xyz xyz = toXyz * rgb;
-            yy[i] = 116 * xyz.y - 16;
-            cx[i] = 500 * (xyz.x - xyz.y);
-            cz[i] = 200 * (xyz.y - xyz.z);
-            lightness[i] = (yy[i] + 16) / 116;
+    ParallelForEach(n, 4096, [&](int64_t i) {
+        Rgb rgb;
+        for (int c = 0; c < 3; ++c) {
+            const float v = planes[c * n + i];
+            rgb[c] = isHdr ? ToneMap(v * factor) : std::clamp(v, 0.f, 1.f);
         }
+        // Opponent space of the filters: CIELAB without the cube root.
+        const Xyz xyz = toXyz * rgb;
+        yy[i] = 116 * xyz.y - 16;
+        cx[i] = 500 * (xyz.x - xyz.y);
+        cz[i] = 200 * (xyz.y - xyz.z);
+        lightness[i] = (yy[i] + 16) / 116;
     });
 
     Percept out;
@@ -243,12 +239,10 @@ FlipReference::Percept FlipReference::Perceive(const std::vector<float> &planes,
     out.l = SensitivityFilter(yy, resolution_, kAchromatic, &ignored);
     out.a = SensitivityFilter(cx, resolution_, kRedGreen, &ignored);
     out.b = BlueYellowFilter(cz, resolution_);
-    ParallelFor(n, 4096, [&](int64_t begin, int64_t end) {
-        for (int64_t i = begin; i < end; ++i) {
-            const float y = (out.l[i] + 16) / 116;
-            const Rgb rgb = toRgb * Xyz(y + out.a[i] / 500, y, y - out.b[i] / 200);
-            ToHuntLab(toXyz * glm::clamp(rgb, 0.f, 1.f), &out.l[i], &out.a[i], &out.b[i]);
-        }
+    ParallelForEach(n, 4096, [&](int64_t i) {
+        const float y = (out.l[i] + 16) / 116;
+        const Rgb rgb = toRgb * Xyz(y + out.a[i] / 500, y, y - out.b[i] / 200);
+        ToHuntLab(toXyz * glm::clamp(rgb, 0.f, 1.f), &out.l[i], &out.a[i], &out.b[i]);
     });
     return out;
 }
@@ -271,9 +265,8 @@ double FlipReference::Compare(const Image &image, Image *errorImage) const {
     std::vector<float> flip(planes.size() / 3, 0.f);
     for (size_t e = 0; e < percepts_.size(); ++e) {
         const Percept percept = Perceive(planes, e);
-        ParallelFor(flip.size(), 4096, [&](int64_t begin, int64_t end) {
-            for (int64_t i = begin; i < end; ++i) flip[i] = std::max(flip[i], Difference(percepts_[e], percept, i));
-        });
+        ParallelForEach(flip.size(), 4096,
+                        [&](int64_t i) { flip[i] = std::max(flip[i], Difference(percepts_[e], percept, i)); });
     }
     if (errorImage) {
         *errorImage = Image(PixelFormat::Float, resolution_, {"Y"});

@@ -4,8 +4,6 @@
 
 #include <algorithm>
 
-#include "pbrt/core/error.h"
-
 namespace pbrt {
 namespace {
 

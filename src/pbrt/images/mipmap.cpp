@@ -8,8 +8,6 @@
 #include <type_traits>
 #include <variant>
 
-#include "pbrt/core/error.h"
-
 namespace pbrt {
 namespace {
 

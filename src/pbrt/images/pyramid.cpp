@@ -67,15 +67,13 @@ Image Enlarge(const Image &image, Point2i target, WrapMode wrap) {
         }
     });
     Image result(PixelFormat::Float, target, image.Channels());
-    ParallelFor(target.y, 16, [&](int64_t begin, int64_t end) {
-        for (int64_t y = begin; y < end; ++y) {
-            const PixelTaps &taps = stretchY[y];
-            const float *in = wide.data() + (taps.first + border) * width;
-            float *out = static_cast<float *>(result.Data()) + y * width;
-            for (size_t i = 0; i < width; ++i)
-                out[i] = std::max(0.f, taps.weight[0] * in[i] + taps.weight[1] * in[i + width] +
-                                           taps.weight[2] * in[i + 2 * width] + taps.weight[3] * in[i + 3 * width]);
-        }
+    ParallelForEach(target.y, 16, [&](int64_t y) {
+        const PixelTaps &taps = stretchY[y];
+        const float *in = wide.data() + (taps.first + border) * width;
+        float *out = static_cast<float *>(result.Data()) + y * width;
+        for (size_t i = 0; i < width; ++i)
+            out[i] = std::max(0.f, taps.weight[0] * in[i] + taps.weight[1] * in[i + width] +
+                                       taps.weight[2] * in[i + 2 * width] + taps.weight[3] * in[i + 3 * width]);
     });
     return result;
 }
@@ -88,14 +86,12 @@ Image Halve(const Image &image) {
     const size_t right = size.x > 1 ? channels : 0, below = size.y > 1 ? width : 0;
     Image result(PixelFormat::Float, glm::max(size / 2, Point2i(1)), image.Channels());
     const Point2i resultSize = result.Resolution();
-    ParallelFor(resultSize.y, 16, [&](int64_t begin, int64_t end) {
-        for (int64_t y = begin; y < end; ++y) {
-            const float *in = static_cast<const float *>(image.Data()) + 2 * y * width;
-            float *out = static_cast<float *>(result.Data()) + y * resultSize.x * channels;
-            for (int x = 0; x < resultSize.x; ++x, in += channels)
-                for (size_t c = 0; c < channels; ++c, ++in)
-                    *out++ = (in[0] + in[right] + in[below] + in[below + right]) / 4;
-        }
+    ParallelForEach(resultSize.y, 16, [&](int64_t y) {
+        const float *in = static_cast<const float *>(image.Data()) + 2 * y * width;
+        float *out = static_cast<float *>(result.Data()) + y * resultSize.x * channels;
+        for (int x = 0; x < resultSize.x; ++x, in += channels)
+            for (size_t c = 0; c < channels; ++c, ++in)
+                *out++ = (in[0] + in[right] + in[below] + in[below + right]) / 4;
     });
     return result;
 }
@@ -103,10 +99,9 @@ Image Halve(const Image &image) {
 Image Store(const Image &level, const Image &like) {
     if (like.Format() == PixelFormat::Float) return level;
     Image result(like.Format(), level.Resolution(), like.Channels(), like.Encoding());
-    ParallelFor(level.Resolution().y, 16, [&](int64_t begin, int64_t end) {
-        for (int y = int(begin); y < int(end); ++y)
-            for (int x = 0; x < level.Resolution().x; ++x)
-                for (int c = 0; c < level.ChannelCount(); ++c) result.Set({x, y}, c, level.Get({x, y}, c));
+    ParallelForEach(level.Resolution().y, 16, [&](int64_t y) {
+        for (Point2i p(0, int(y)); p.x < level.Resolution().x; ++p.x)
+            for (int c = 0; c < level.ChannelCount(); ++c) result.Set(p, c, level.Get(p, c));
     });
     return result;
 }

@@ -1,8 +1,6 @@
 #include "pbrt/integrators/bdpt_integrator.h"
 
-#include "pbrt/core/counters.h"
 #include "pbrt/core/parallel.h"
-#include "pbrt/integrators/integrator.h"
 #include "pbrt/lightsamplers/simple_light_samplers.h"
 #include "pbrt/transport/direct_light.h"
 

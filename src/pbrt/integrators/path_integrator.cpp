@@ -1,7 +1,5 @@
 #include "pbrt/integrators/path_integrator.h"
 
-#include "pbrt/integrators/camera_path.h"
-
 namespace pbrt {
 PathIntegrator::PathIntegrator(const PathContext &context, const PathSettings &settings,
                                std::unique_ptr<LightSampler> lights, std::unique_ptr<DirectionSampling> directions)

@@ -1,8 +1,6 @@
 #include "pbrt/integrators/pixel_integrator.h"
 
-#include "pbrt/core/counters.h"
 #include "pbrt/core/parallel.h"
-#include "pbrt/core/progress.h"
 #include "pbrt/core/work_distributor.h"
 
 namespace pbrt {

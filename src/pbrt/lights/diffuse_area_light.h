@@ -148,11 +148,7 @@ class DiffuseAreaLight final : public Light {
     }
 
   private:
-    static bool IsInvisible(const FloatTexture *alpha) {
-        if (!alpha) return false;
-        std::optional<Float> constant = alpha->Constant();
-        return constant && *constant == 0;
-    }
+    static bool IsInvisible(const FloatTexture *alpha) { return alpha && alpha->Constant() == Float(0); }
 
     /// Probability that the surface stops a ray at a point. Light samples are weighted by it and rays are stopped with
     /// it (Accel), so both have the same expected value.

@@ -53,10 +53,8 @@ PortalMap PortalMap::Integrate(const EnvironmentLight &light, const Frame &frame
     // At equal resolution, map pixels are at most about as wide as image pixels.
     const int across = std::max(2, (light.Resolution() + kSide - 1) / kSide) + 1;
     std::vector<CellRadiance> cells(n * n);
-    ParallelFor(kSide, 8, [&](int64_t begin, int64_t end) {
-        for (size_t i = size_t(begin) * n; i < size_t(end) * n; ++i)
-            cells[i] = EvaluateMapCell(light, frame, corner(i), width, across, 0);
-    });
+    ParallelForEach(int64_t(cells.size()), 8 * kSide,
+                    [&](int64_t i) { cells[i] = EvaluateMapCell(light, frame, corner(i), width, across, 0); });
 
     double sum = 0;
     for (const CellRadiance &cell : cells) sum += double(cell.mean);
@@ -76,19 +74,17 @@ PortalMap PortalMap::Integrate(const EnvironmentLight &light, const Frame &frame
         }
     }
     map.details_.resize(divided.size());
-    ParallelFor(int64_t(divided.size()), 16, [&](int64_t begin, int64_t end) {
-        for (auto d = size_t(begin); d < size_t(end); ++d) {
-            const Float part = width / kDetail;
-            double total = 0;
-            for (int k = 0; k < kDetail * kDetail; ++k) {
-                const Point2 low = corner(divided[d]) + Point2(k % kDetail, k / kDetail) * part;
-                const CellRadiance cell = EvaluateMapCell(light, frame, low, part, 3, 1);
-                Float &value = map.details_[d][k];
-                value = std::max(cell.mean, kBesidePart * cell.max);
-                total += double(value);
-            }
-            weights[divided[d]] = Float(total / (kDetail * kDetail));
+    ParallelForEach(int64_t(divided.size()), 16, [&](int64_t d) {
+        const Float part = width / kDetail;
+        double total = 0;
+        for (int k = 0; k < kDetail * kDetail; ++k) {
+            const Point2 low = corner(divided[d]) + Point2(k % kDetail, k / kDetail) * part;
+            const CellRadiance cell = EvaluateMapCell(light, frame, low, part, 3, 1);
+            Float &value = map.details_[d][k];
+            value = std::max(cell.mean, kBesidePart * cell.max);
+            total += double(value);
         }
+        weights[divided[d]] = Float(total / (kDetail * kDetail));
     });
     map.pixels_ = WindowedPiecewiseConstant2D(weights, kSide, kSide);
     return map;

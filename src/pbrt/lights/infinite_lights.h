@@ -97,10 +97,9 @@ class ImageInfiniteLight final : public EnvironmentLight {
         }
         if (!anyLeft) std::fill(weights.begin(), weights.end(), Float(1));
         compensated_ = PiecewiseConstantGrid<ScaledPolynomial>(weights, n.x, n.y);
-        ParallelFor(n.y, 8, [&](int64_t begin, int64_t end) {
-            for (int y = int(begin); y < int(end); ++y)
-                for (int x = 0; x < n.x; ++x)
-                    compensated_.ValueOf(x, y) = ScaledPolynomial::Of(colorSpace, LightPixel(image_, {x, y}));
+        ParallelForEach(n.y, 8, [&](int64_t y) {
+            for (Point2i p(0, int(y)); p.x < n.x; ++p.x)
+                compensated_.ValueOf(p.x, p.y) = ScaledPolynomial::Of(colorSpace, LightPixel(image_, p));
         });
     }
 
@@ -177,13 +176,12 @@ class PortalLight final : public EnvironmentLight {
         const Portal rectangle = PortalFrom(portal, renderFromPortal);
         frame_ = rectangle.frame;
         map_ = Image(PixelFormat::Float, n, {"R", "G", "B"});
-        ParallelFor(n.y, 8, [&](int64_t begin, int64_t end) {
-            for (int y = int(begin); y < int(end); ++y)
-                for (int x = 0; x < n.x; ++x) {
-                    const Vector3 d = frame_.FromLocal(LocalFromMap(PixelCenter(x, y, n)));
-                    Point2 st = EqualAreaSphereToSquare(Normalize(renderFromLight.InverseVector(d)));
-                    for (int c = 0; c < 3; ++c) map_.Set({x, y}, c, image.Bilinear(st, c, WrapMode::OctahedralSphere));
-                }
+        ParallelForEach(n.y, 8, [&](int64_t y) {
+            for (Point2i p(0, int(y)); p.x < n.x; ++p.x) {
+                const Vector3 d = frame_.FromLocal(LocalFromMap(PixelCenter(p.x, p.y, n)));
+                Point2 st = EqualAreaSphereToSquare(Normalize(renderFromLight.InverseVector(d)));
+                for (int c = 0; c < 3; ++c) map_.Set(p, c, image.Bilinear(st, c, WrapMode::OctahedralSphere));
+            }
         });
         portal_.emplace(*this, std::span(&rectangle, 1));
     }

@@ -1,6 +1,5 @@
 #pragma once
 #include "pbrt/math/bounds.h"
-#include "pbrt/math/transform.h"
 
 namespace pbrt {
 
@@ -36,8 +35,6 @@ struct LightBounds {
     /// surfaces may face away), as in stock pbrt-v4. Not inlined: bit-identical for equal arguments.
     Float Importance(const Point3 &p, const Normal3 &n) const;
 };
-/// True if the transformation preserves proportions, so cones stay cones.
-bool IsSimilarity(const Transform &t);
 /// Empty bounds (phi 0) are neutral.
 LightBounds Union(const LightBounds &a, const LightBounds &b);
 

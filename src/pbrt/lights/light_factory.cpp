@@ -4,7 +4,6 @@
 #include <cmath>
 #include <limits>
 
-#include "pbrt/core/params.h"
 #include "pbrt/lights/diffuse_area_light.h"
 #include "pbrt/lights/infinite_lights.h"
 #include "pbrt/lights/light_image.h"

@@ -4,7 +4,6 @@
 #include <ranges>
 #include <unordered_map>
 
-#include "pbrt/core/error.h"
 #include "pbrt/core/parallel.h"
 #include "pbrt/math/rng.h"
 
@@ -68,15 +67,13 @@ SampledSpectrum AverageIlluminant(const Image &image, const ColorSpace &colorSpa
                                   const std::function<Float(int, int)> &weight) {
     Point2i n = image.Resolution();
     std::vector<SampledSpectrum> rows(n.y);
-    ParallelFor(n.y, 8, [&](int64_t begin, int64_t end) {
-        for (int64_t y = begin; y < end; ++y) {
-            SampledSpectrum sum;
-            for (int x = 0; x < n.x; ++x) {
-                SampledSpectrum L = PixelIlluminant(image, {x, int(y)}, colorSpace, lambda);
-                sum += weight ? weight(x, int(y)) * L : L;
-            }
-            rows[y] = sum / Float(n.x);
+    ParallelForEach(n.y, 8, [&](int64_t y) {
+        SampledSpectrum sum;
+        for (int x = 0; x < n.x; ++x) {
+            SampledSpectrum L = PixelIlluminant(image, {x, int(y)}, colorSpace, lambda);
+            sum += weight ? weight(x, int(y)) * L : L;
         }
+        rows[y] = sum / Float(n.x);
     });
     SampledSpectrum sum;
     for (const SampledSpectrum &row : rows) sum += row;

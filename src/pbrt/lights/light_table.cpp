@@ -6,13 +6,6 @@ namespace pbrt {
 
 Float LightBounds::Importance(const Point3 &p, const Normal3 &n) const { return Sphere().Importance(p, n); }
 
-bool IsSimilarity(const Transform &t) {
-    Vector3 x = t.Vector({1, 0, 0}), y = t.Vector({0, 1, 0}), z = t.Vector({0, 0, 1});
-    Float xx = LengthSquared(x), tolerance = 1e-4f * xx;
-    return std::abs(LengthSquared(y) - xx) <= tolerance && std::abs(LengthSquared(z) - xx) <= tolerance &&
-           AbsDot(x, y) <= tolerance && AbsDot(y, z) <= tolerance && AbsDot(z, x) <= tolerance;
-}
-
 LightBounds Union(const LightBounds &a, const LightBounds &b) {
     const bool neutralA = !(a.phi > 0), neutralB = !(b.phi > 0);
     if (neutralA || neutralB) return neutralA ? b : a;

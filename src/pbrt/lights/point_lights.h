@@ -47,6 +47,7 @@ class LightAtPoint : public Light {
   protected:
     explicit LightAtPoint(const Point3 &position) : Light(LightKind::DeltaPosition), position_(position) {}
 
+    static bool KeepsCones(const Transform &t) { return t.UniformScale(1e-4).has_value(); }
     std::optional<LightBounds> AllAround(double phi) const {
         if (!(phi > 0)) return {};
         return LightBounds{Bounds3(position_), Vector3(0, 0, 1), phi, -1, 0, false};
@@ -123,7 +124,7 @@ class SpotLight final : public LightAtPoint<SpotLight> {
         const double phi = 4 * std::numbers::pi * double(scale_) * double(intensity_->MaxValue());
         if (!(phi > 0)) return {};
         LightBounds b{Bounds3(position_), Normalize(renderFromLight_.Vector(axis_)), phi, cosStart_, 0, false};
-        if (!IsSimilarity(renderFromLight_)) {
+        if (!KeepsCones(renderFromLight_)) {
             b.cosTheta_o = -1;
             return b;
         }
@@ -261,7 +262,7 @@ class ProjectionLight final : public LightAtPoint<ProjectionLight> {
         const double phi = double(scale_) * sum / (double(n.x) * double(n.y));
         if (!(phi > 0)) return {};
         Vector3 axis = Normalize(renderFromLight_.Vector({0, 0, 1}));
-        if (!IsSimilarity(renderFromLight_)) return LightBounds{Bounds3(position_), axis, phi, -1, 0, false};
+        if (!KeepsCones(renderFromLight_)) return LightBounds{Bounds3(position_), axis, phi, -1, 0, false};
         Float cosCorner = 1 / std::sqrt(1 + Sqr(half_.x) + Sqr(half_.y));
         return LightBounds{Bounds3(position_), axis, phi, 1, std::min(cosCorner, Float(0.999)), false};
     }

@@ -7,8 +7,6 @@
 
 #include <nlohmann/json.hpp>
 
-#include "pbrt/core/error.h"
-#include "pbrt/math/lanes.h"
 #include "pbrt/math/simd_ops.h"
 
 namespace pbrt {

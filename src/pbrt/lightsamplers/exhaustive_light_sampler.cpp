@@ -21,11 +21,6 @@ ExhaustiveLightSampler::ExhaustiveLightSampler(const LightGroups &groups)
     infinite_ = InfiniteShare(groups, !lights_.empty());
 }
 
-// noinline: bit-identical results for all call sites.
-[[gnu::noinline]] void ExhaustiveLightSampler::Importances(size_t packet, const LightQuery &query, Float *out) const {
-    packets_[packet].Importances(query.p, query.n, out);
-}
-
 const void *ExhaustiveLightSampler::WeighGroups(const LightQuery &query, LightMemory &memory) const {
     auto *sums = memory.Make<Sums>();
     sums->total = 0;
@@ -33,7 +28,7 @@ const void *ExhaustiveLightSampler::WeighGroups(const LightQuery &query, LightMe
         double sum = 0;
         for (size_t end = std::min(i + blockSize_, packets_.size()); i < end; ++i) {
             Float *w = sums->lane[block];
-            Importances(i, query, w);
+            packets_[i].Importances(query.p, query.n, w);
             for (size_t lane = 0; lane < kLanes; ++lane) sum += double(w[lane]);
         }
         sums->block[block] = sum;

@@ -28,7 +28,8 @@ struct alignas(32) LightPacket {
         twoSided[lane] = s.twoSided ? 1 : 0;
     }
 
-    void Importances(const Point3 &p, const Normal3 &n, Float *out) const {
+    // noinline: bit-identical results for all call sites.
+    [[gnu::noinline]] void Importances(const Point3 &p, const Normal3 &n, Float *out) const {
         using Ops = SimdOps<kLanes>;
         using F = typename Ops::F;
         auto load = [](const Float *v) { return Ops::Load(v); };
@@ -59,11 +60,10 @@ class ExhaustiveLightSampler final : public GroupLightSampler {
         /// Importances in the last packet of each block; all lights if a block is one packet.
         Float lane[kBlocks][kLanes];
     };
-    void Importances(size_t packet, const LightQuery &query, Float *out) const;
     /// Importances in a packet: from `sums` if stored there, else recomputed into `scratch`.
     const Float *Lanes(size_t packet, const LightQuery &query, const Sums &sums, Float *scratch) const {
         if (blockSize_ == 1) return sums.lane[packet];
-        Importances(packet, query, scratch);
+        packets_[packet].Importances(query.p, query.n, scratch);
         return scratch;
     }
 

@@ -2,6 +2,7 @@
 #include <cstring>
 
 #include "pbrt/core/files.h"
+#include "pbrt/core/state_io.h"
 #include "pbrt/materials/material_params.h"
 
 namespace pbrt {
@@ -10,36 +11,6 @@ namespace {
 static_assert(std::endian::native == std::endian::little);
 
 using Shape = std::vector<size_t>;
-
-class Bytes {
-  public:
-    Bytes(const std::string &data, const std::string &path) : data_(data), path_(path) {}
-    template <class T>
-    T Next() {
-        T value;
-        std::memcpy(&value, Take(sizeof(T)), sizeof(T));
-        return value;
-    }
-    std::string Text(size_t length) { return {Take(length), length}; }
-    /// `count` floats at `offset`, without moving the position.
-    std::vector<Float> FloatsAt(uint64_t offset, uint64_t count) const {
-        if (offset > data_.size() || count > (data_.size() - offset) / sizeof(float)) Fail("is cut off");
-        std::vector<Float> values(count);
-        if (count) std::memcpy(values.data(), data_.data() + offset, count * sizeof(float));
-        return values;
-    }
-    [[noreturn]] void Fail(const char *why) const { throw UserError("{}: tensor file {}.", path_, why); }
-
-  private:
-    const char *Take(size_t n) {
-        if (n > data_.size() - at_) Fail("is cut off");
-        at_ += n;
-        return data_.data() + at_ - n;
-    }
-    const std::string &data_;
-    const std::string &path_;
-    size_t at_ = 0;
-};
 
 struct Field {
     std::string name;
@@ -51,31 +22,37 @@ constexpr uint8_t kFloat32 = 10;
 
 /// Named arrays of a little-endian file, the container of the RGL material database.
 std::vector<Field> ReadTensorFile(const std::string &path) {
+    constexpr std::string_view head("tensor_file\0", 12);
     const std::string data = ReadFileContents(path);
-    Bytes bytes(data, path);
-    if (data.size() < 18 || bytes.Text(12) != std::string("tensor_file\0", 12)) bytes.Fail("header is missing");
-    const int major = bytes.Next<uint8_t>(), minor = bytes.Next<uint8_t>();
-    if (major != 1 || minor != 0) bytes.Fail("has an unknown version (1.0 is known)");
+    StateReader in(data, path + ": tensor file");
+    in.Require(data.starts_with(head), "its header is missing");
+    in.Take(head.size());
+    const int major = in.Value<uint8_t>(), minor = in.Value<uint8_t>();
+    if (major != 1 || minor != 0) throw UserError("{}: tensor file has an unknown version (1.0 is known).", path);
     std::vector<Field> fields;
-    const uint32_t count = bytes.Next<uint32_t>();
+    const uint32_t count = in.Value<uint32_t>();
     uint64_t total = 0;
     for (uint32_t i = 0; i < count; ++i) {
         Field field;
-        field.name = bytes.Text(bytes.Next<uint16_t>());
-        const size_t dimensions = bytes.Next<uint16_t>();
-        const uint8_t type = bytes.Next<uint8_t>();
-        const uint64_t offset = bytes.Next<uint64_t>();
+        field.name = in.Take(in.Value<uint16_t>());
+        const size_t dimensions = in.Value<uint16_t>();
+        const uint8_t type = in.Value<uint8_t>();
+        const uint64_t offset = in.Value<uint64_t>();
         uint64_t size = 1;
         for (size_t d = 0; d < dimensions; ++d) {
-            const uint64_t extent = bytes.Next<uint64_t>();
-            if (extent > data.size() || (extent > 0 && size > data.size() / extent)) bytes.Fail("is cut off");
+            const uint64_t extent = in.Value<uint64_t>();
+            in.Require(extent == 0 || (extent <= data.size() && size <= data.size() / extent), "it is cut off");
             size *= extent;
             field.shape.push_back(extent);
         }
         if (type == kFloat32) {
             total += size;
-            if (total > data.size() / sizeof(float)) bytes.Fail("has fields that overlap");
-            field.values = bytes.FloatsAt(offset, size);
+            in.Require(total <= data.size() / sizeof(float), "it has fields that overlap");
+            StateReader at(data, in.What());
+            at.Take(offset);
+            const std::string_view values = at.Take(size * sizeof(float));
+            field.values.resize(size);
+            if (size > 0) std::memcpy(field.values.data(), values.data(), values.size());
         }
         fields.push_back(std::move(field));
     }

@@ -1,5 +1,4 @@
 #include "pbrt/materials/material_params.h"
-#include "pbrt/spectra/spectral_data.h"
 
 namespace pbrt {
 namespace {

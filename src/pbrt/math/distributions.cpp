@@ -1,7 +1,5 @@
 #include "pbrt/math/distributions.h"
 
-#include <algorithm>
-
 namespace pbrt {
 namespace {
 

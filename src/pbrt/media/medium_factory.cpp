@@ -1,9 +1,7 @@
 #include "pbrt/media/medium_factory.h"
 
-#include "pbrt/core/params.h"
 #include "pbrt/media/medium_kinds.h"
 #include "pbrt/media/voxel_media.h"
-#include "pbrt/spectra/spectral_data.h"
 #include "pbrt/spectra/spectrum_params.h"
 
 namespace pbrt {

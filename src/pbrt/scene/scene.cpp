@@ -3,7 +3,6 @@
 #include <type_traits>
 
 #include "pbrt/core/counters.h"
-#include "pbrt/core/error.h"
 #include "pbrt/scene/shading.h"
 #include "pbrt/shapes/triangle_mesh.h"
 

@@ -2,7 +2,6 @@
 
 #include <array>
 
-#include "pbrt/core/error.h"
 #include "pbrt/math/warps.h"
 #include "pbrt/shapes/solid_angle_sampling.h"
 

@@ -91,12 +91,10 @@ class Splitter {
 };
 
 void MoveVertices(MeshData &mesh, const Transform &renderFromObject, const Displacement &displacement) {
-    ParallelFor(int64_t(mesh.p.size()), 1024, [&](int64_t begin, int64_t end) {
-        for (auto i = size_t(begin); i < size_t(end); ++i) {
-            const Normal3 placed = renderFromObject.Normal(mesh.n[i]);
-            const Normal3 n = LengthSquared(placed) > 0 ? Normalize(placed) : placed;
-            mesh.p[i] += mesh.n[i] * displacement.height(renderFromObject.Point(mesh.p[i]), n, mesh.uv[i]);
-        }
+    ParallelForEach(int64_t(mesh.p.size()), 1024, [&](int64_t i) {
+        const Normal3 placed = renderFromObject.Normal(mesh.n[i]);
+        const Normal3 n = LengthSquared(placed) > 0 ? Normalize(placed) : placed;
+        mesh.p[i] += mesh.n[i] * displacement.height(renderFromObject.Point(mesh.p[i]), n, mesh.uv[i]);
     });
 }
 

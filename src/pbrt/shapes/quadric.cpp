@@ -191,9 +191,7 @@ ShapeSample Sphere::SampleNearSide(const Cone &cone, const ShapeSampleContext &f
     Frame frame = Frame::FromZ((from.p - center_) / cone.distance);
     Normal3 n = Normalize(frame.FromLocal(SphericalDirectionOfTurn(sinAlpha, cosAlpha, u.y)));
 
-    ShapeSample s;
-    s.p = center_ + n * renderRadius_;
-    s.pError = Gamma(5) * (Abs(center_) + Abs(n * renderRadius_));
+    ShapeSample s{.p = center_ + n * renderRadius_, .pError = Gamma(5) * (Abs(center_) + Abs(n * renderRadius_))};
     Point3 objectPoint = RenderFromObject().InverseVector(n);
     s.uv = UvOf(glm::dvec3(objectPoint));
     s.n = RenderNormal(objectPoint);

@@ -1,13 +1,10 @@
 #include "pbrt/shapes/shape_factory.h"
 
-#include "pbrt/core/memory.h"
-#include "pbrt/core/params.h"
 #include "pbrt/images/image.h"
 #include "pbrt/shapes/bilinear_mesh.h"
 #include "pbrt/shapes/curves.h"
 #include "pbrt/shapes/extent.h"
 #include "pbrt/shapes/quadric.h"
-#include "pbrt/shapes/triangle_mesh.h"
 
 namespace pbrt {
 namespace {

@@ -7,7 +7,6 @@
 #include "pbrt/core/error.h"
 #include "pbrt/core/files.h"
 #include "pbrt/spectra/rgb_primaries.h"
-#include "pbrt/spectra/spectral_data.h"
 
 extern "C" {
 extern const float pbrt_rgb_table_srgb[];

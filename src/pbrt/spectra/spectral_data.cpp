@@ -1,5 +1,3 @@
-#include "pbrt/spectra/spectral_data.h"
-
 #include <charconv>
 #include <map>
 #include <string_view>

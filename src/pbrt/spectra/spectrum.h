@@ -191,6 +191,8 @@ Vector3 SpectrumToXyz(const Spectrum &s);
 /// its illuminant, without the RGB factor.
 Float SpectrumToPhotometric(const Spectrum &s);
 
+// Tables of data/*.csv, embedded into the binary and parsed at first use.
+
 /// Spectrum of §16 by name ("glass-BK7", "metal-Ag-eta", "stdillum-D65", "nikon_d850_r", ...); nullptr if unknown.
 /// Illuminants are scaled to SpectrumToXyz().y == 1.
 SpectrumPtr NamedSpectrum(const std::string &name);
@@ -198,5 +200,19 @@ std::vector<std::string> NamedSpectrumNames();
 /// Cameras of §16. Channel responses are the named spectra SENSOR_r, SENSOR_g and SENSOR_b.
 std::vector<std::string> CameraSensorNames();
 const std::vector<SpectrumPtr> &ColorCheckerReflectances();
+
+struct ScatteringPreset {
+    std::string name;
+    std::array<Float, 3> reducedScattering, absorption;  ///< 1/mm, linear sRGB
+};
+/// Media of pbrt-v4-format §16, in the order of the file.
+const std::vector<ScatteringPreset> &EmbeddedScatteringPresets();
+
+struct ThreeColumnTable {
+    std::vector<Float> lambdas;  ///< nm
+    std::array<std::vector<Float>, 3> columns;
+};
+/// Components of CIE daylight.
+const ThreeColumnTable &EmbeddedDaylight();
 
 }  // namespace pbrt

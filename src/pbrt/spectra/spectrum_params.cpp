@@ -1,7 +1,6 @@
 #include "pbrt/spectra/spectrum_params.h"
 
 #include "pbrt/core/log.h"
-#include "pbrt/core/params.h"
 
 namespace pbrt {
 namespace {

@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <array>
 
-#include "pbrt/core/params.h"
 #include "pbrt/textures/texture_makers.h"
 
 namespace pbrt {

@@ -1,8 +1,6 @@
 #include "pbrt/textures/texture_makers.h"
 
 #include "pbrt/textures/noise.h"
-#include "pbrt/textures/texture.h"
-#include "pbrt/textures/texture_mapping.h"
 
 namespace pbrt {
 namespace {

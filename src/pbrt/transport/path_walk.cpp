@@ -3,8 +3,6 @@
 #include <type_traits>
 #include <utility>
 
-#include "pbrt/bxdfs/bsdf.h"
-
 namespace pbrt {
 
 PathWalk::Met PathWalk::Next() {

@@ -6,10 +6,8 @@
 
 #include "pbrt/core/effective_params_text.h"
 #include "pbrt/core/log.h"
-#include "pbrt/core/progress.h"
 #include "pbrt/integrators/registry.h"
 #include "pbrt/math/low_discrepancy.h"
-#include "pbrt/math/warps.h"
 
 namespace ext {
 namespace {

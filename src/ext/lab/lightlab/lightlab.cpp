@@ -8,12 +8,9 @@
 #include "ext/lab/experiment.h"
 #include "ext/lab/lightlab/lightlab.h"
 #include "ext/lab/noise_by_depth.h"
-#include "pbrt/core/files.h"
 #include "pbrt/core/log.h"
-#include "pbrt/core/memory.h"
 #include "pbrt/core/parallel.h"
 #include "pbrt/core/signal_watch.h"
-#include "pbrt/core/team.h"
 #include "plugins.h"
 
 namespace ext::lab {

@@ -1,5 +1,3 @@
-#include <charconv>
-
 #include "pbrt/cmd/imgtool/commands.h"
 
 namespace pbrt::imgtool {
@@ -14,14 +12,11 @@ struct SplitnOptions {
 constexpr int kGap = 4;  // pixels between parts
 
 Point2i ParseCorner(const std::string &text) {
+    std::vector<std::string> xy = CLI::detail::split(text, ',');
     Point2i p(0);
-    const char *end = text.data() + text.size();
-    auto [comma, codeX] = std::from_chars(text.data(), end, p.x);
-    if (codeX == std::errc() && comma < end && *comma == ',') {
-        auto [rest, codeY] = std::from_chars(comma + 1, end, p.y);
-        if (codeY == std::errc() && rest == end) return p;
-    }
-    throw UserError("--crop {}: two whole numbers x,y were expected.", text);
+    if (xy.size() != 2 || !ReadNumber(xy[0], p.x) || !ReadNumber(xy[1], p.y))
+        throw UserError("--crop {}: two whole numbers x,y were expected.", text);
+    return p;
 }
 
 /// Layout: vertical strips of the images side by side, together as large as one image. Below, one row per crop with the

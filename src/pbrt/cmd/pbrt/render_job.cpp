@@ -7,18 +7,10 @@
 #include <cstdio>
 #include <filesystem>
 
-#include "pbrt/build/built_scene.h"
 #include "pbrt/cmd/pbrt/checkpoint.h"
 #include "pbrt/cmd/pbrt/image_output.h"
 #include "pbrt/cmd/pbrt/learned_lights.h"
 #include "pbrt/cmd/pbrt/run_report.h"
-#include "pbrt/core/counters.h"
-#include "pbrt/core/error.h"
-#include "pbrt/core/log.h"
-#include "pbrt/core/memory.h"
-#include "pbrt/core/parallel.h"
-#include "pbrt/images/image.h"
-#include "pbrt/integrators/render_loop.h"
 #include "pbrt/scenefile/parser.h"
 
 namespace pbrt {

@@ -9,11 +9,8 @@
 #include <nlohmann/json.hpp>
 #include <sstream>
 
-#include "pbrt/core/counters.h"
 #include "pbrt/core/parallel.h"
-#include "pbrt/core/progress.h"
 #include "pbrt/core/version.h"
-#include "pbrt/integrators/direction_sampling.h"
 
 namespace pbrt {
 namespace {

@@ -1,10 +1,8 @@
 #include "pbrt/cmd/pbrt/live_view.h"
 
-#include <algorithm>
 #include <bit>
 #include <boost/asio/ip/tcp.hpp>
 #include <boost/beast/core.hpp>
-#include <chrono>
 #include <cstring>
 
 #include "pbrt/core/log.h"

@@ -2,8 +2,6 @@
 
 #include <cmath>
 
-#include "pbrt/spectra/spectrum.h"
-
 namespace pbrt {
 namespace {
 

@@ -226,7 +226,7 @@ TEST_F(Measured, MaterialReadsItsFileAndErrorsNameIt) {
     };
     expect("tensor_file", "header is missing");
     const std::string bytes = AnalyticFile(true);
-    expect(bytes.substr(0, bytes.size() - 1), "is cut off");
+    expect(bytes.substr(0, bytes.size() - 1), "is shorter than what it announces");
     for (size_t length = 0; length < 300; length += 7) expect(bytes.substr(0, length), "tensor file");
     TensorWriter few;
     few.Add("phi_i", {1}, {0});

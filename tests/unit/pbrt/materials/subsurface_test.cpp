@@ -1,7 +1,7 @@
 #include <gtest/gtest.h>
 
 #include "material_test_support.h"
-#include "pbrt/spectra/spectral_data.h"
+#include "pbrt/spectra/spectrum.h"
 
 namespace pbrt::test {
 namespace {

@@ -207,8 +207,8 @@ TEST_F(Imgtool, ScalenormalmapScalesSlopes) {
                 image.Get({0, 0}, 1), 1e-5f);
     // Bytes are values times 255, without the sRGB curve.
     RunWell("scalenormalmap a.exr --outfile d.png");
-    RunWell("scalenormalmap d.png --outfile e.png");
-    for (const char *file : {"d.png", "e.png"}) {
+    RunWell("scalenormalmap d.png --outfile e.PNG");
+    for (const char *file : {"d.png", "e.PNG"}) {
         const Image png = ReadImage(Path(file), ColorEncoding{ColorEncoding::Kind::Linear}).image;
         for (int c = 0; c < 3; ++c) EXPECT_NEAR(png.Get({0, 0}, c), image.Get({0, 0}, c), 0.6f / 255) << file;
     }

@@ -82,10 +82,9 @@ int Convert(const ConvertOptions &o) {
     if (o.flipY) {
         const int last = image.Resolution().y - 1;
         image = Rearrange(image, image.Resolution(), [&](Point2i p) { return Point2i(p.x, last - p.y); });
-        if (file.metadata.pixelBounds) {
-            Bounds2i &window = *file.metadata.pixelBounds;
-            const int height = file.metadata.fullResolution ? file.metadata.fullResolution->y : window.high.y;
-            window = {{window.low.x, height - window.high.y}, {window.high.x, height - window.low.y}};
+        if (std::optional<Bounds2i> &window = file.metadata.pixelBounds) {
+            const int height = file.metadata.fullResolution->y;
+            window = {{window->low.x, height - window->high.y}, {window->high.x, height - window->low.y}};
         }
     }
     if (o.repeat > 1) {

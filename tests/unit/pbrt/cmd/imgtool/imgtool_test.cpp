@@ -285,6 +285,11 @@ TEST_F(Imgtool, DataWindowsMoveWithThePixels) {
     EXPECT_EQ(repeated.metadata.fullResolution, Point2i(48, 36));
     EXPECT_EQ(Written("falsecolor tr.exr --outfile v.exr").metadata.pixelBounds->low, Point2i(8, 1));
     RunWell("falsecolor tr.exr --ramp --outfile v.exr");
+    // A crop of a format without windows keeps its place and the size of the whole.
+    WriteImage(Path("p.pfm"), part.image);
+    const ImageMetadata cropped = Written("convert p.pfm --crop 1,7,0,2 --flipy --outfile c.exr").metadata;
+    EXPECT_EQ(cropped.pixelBounds, (Bounds2i{{1, 3}, {7, 5}}));
+    EXPECT_EQ(cropped.fullResolution, Point2i(8, 5));
 }
 
 TEST_F(Imgtool, ClampKeepsTheHue) {

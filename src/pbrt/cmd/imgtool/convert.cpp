@@ -1,4 +1,5 @@
 #include <cmath>
+#include <limits>
 
 #include "pbrt/cmd/imgtool/commands.h"
 #include "pbrt/core/memory.h"
@@ -51,7 +52,7 @@ void Tonemap(Image &image, std::optional<Float> maxLuminance, const ColorSpace &
             if (const Float luminance = luminanceOf(p); std::isfinite(luminance)) white = std::max(white, luminance);
         });
     ForEachPixel(image, [&](Point2i p) {
-        const Float luminance = luminanceOf(p);
+        const Float luminance = std::min(luminanceOf(p), std::numeric_limits<Float>::max());
         const Float factor = (1 + luminance / Sqr(white)) / (1 + luminance);
         for (int c : scaled) image.Set(p, c, image.Get(p, c) * factor);
     });

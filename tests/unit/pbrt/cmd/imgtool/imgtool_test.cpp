@@ -346,6 +346,10 @@ TEST_F(Imgtool, TonemapMapsTheMaximumLuminanceToOneAndKeepsHue) {
     const Image byDefault = Written("convert b.exr --exposure 1 --tonemap --outfile t.exr").image;
     EXPECT_NEAR(byDefault.Get({0, 0}, 1), 1, 1e-4f);
     EXPECT_NEAR(byDefault.Get({1, 0}, 1), 2 * (1 + 2 / 256.f) / 3, 1e-4f);
+    WriteImage(Path("i.exr"), RgbImage({2, 1}, [](int x, int) { return Rgb(x ? 1.f : INFINITY); }));
+    const Image infinite = Written("convert i.exr --tonemap --outfile t.exr").image;
+    EXPECT_EQ(RgbAt(infinite, {0, 0}), Rgb(INFINITY)) << "white in files of bytes";
+    EXPECT_NEAR(infinite.Get({1, 0}, 1), 1, 1e-4f);
     ExpectErrors({{"convert b.exr --maxluminance 4 --outfile t.exr", "--tonemap"}});
 }
 

@@ -1,7 +1,7 @@
 #include <cmath>
-#include <filesystem>
 
 #include "pbrt/cmd/imgtool/commands.h"
+#include "pbrt/core/files.h"
 #include "pbrt/core/log.h"
 #include "pbrt/spectra/rgb_primaries.h"
 
@@ -141,7 +141,7 @@ int Scalenormalmap(const ScalenormalmapOptions &o) {
         if (length > 0) n /= length;
         SetRgb(image, p, rgb, (n + Vector3(1)) / Float(2));
     });
-    if (std::filesystem::path(o.outfile).extension() == ".png") WriteLinearPng(o.outfile, image);
+    if (LowerExtension(o.outfile) == ".png") WriteLinearPng(o.outfile, image);
     else WriteImage(o.outfile, keepHalf ? image.ConvertTo(PixelFormat::Half) : image, file.metadata);
     return 0;
 }

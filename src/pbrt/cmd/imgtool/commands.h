@@ -93,8 +93,8 @@ inline std::string WindowText(const ImageFile &file) {
     const Bounds2i w = WindowOf(file);
     return fmt::format("x {} to {}, y {} to {}", w.low.x, w.high.x, w.low.y, w.high.y);
 }
-/// Crops to x0,x1,y0,y1 (half-open, in pixels of the whole image; none: everything) and sets the data window. Throws
-/// UserError if they exceed the window.
+/// Crops to x0,x1,y0,y1 (half-open, in pixels of the whole image; none: everything) and sets both windows. Throws
+/// UserError if they exceed the data window.
 inline void ApplyCrop(ImageFile &file, const std::vector<int> &n, const std::string &path) {
     if (n.empty()) return;
     PBRT_CHECK(n.size() == 4);
@@ -107,6 +107,7 @@ inline void ApplyCrop(ImageFile &file, const std::vector<int> &n, const std::str
                         path, window.Width(), window.Height(), WindowText(file));
     file.image = file.image.Crop({bounds.low - window.low, bounds.high - window.low});
     file.metadata.pixelBounds = bounds;
+    if (!file.metadata.fullResolution) file.metadata.fullResolution = window.high;
 }
 
 inline Flag CropFlag(std::vector<int> &numbers) {

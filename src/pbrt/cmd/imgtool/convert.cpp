@@ -1,4 +1,5 @@
 #include <cmath>
+#include <limits>
 
 #include "pbrt/cmd/imgtool/commands.h"
 #include "pbrt/core/memory.h"
@@ -51,7 +52,7 @@ void Tonemap(Image &image, std::optional<Float> maxLuminance, const ColorSpace &
             if (const Float luminance = luminanceOf(p); std::isfinite(luminance)) white = std::max(white, luminance);
         });
     ForEachPixel(image, [&](Point2i p) {
-        const Float luminance = luminanceOf(p);
+        const Float luminance = std::min(luminanceOf(p), std::numeric_limits<Float>::max());
         const Float factor = (1 + luminance / Sqr(white)) / (1 + luminance);
         for (int c : scaled) image.Set(p, c, image.Get(p, c) * factor);
     });
@@ -82,10 +83,9 @@ int Convert(const ConvertOptions &o) {
     if (o.flipY) {
         const int last = image.Resolution().y - 1;
         image = Rearrange(image, image.Resolution(), [&](Point2i p) { return Point2i(p.x, last - p.y); });
-        if (file.metadata.pixelBounds) {
-            Bounds2i &window = *file.metadata.pixelBounds;
-            const int height = file.metadata.fullResolution ? file.metadata.fullResolution->y : window.high.y;
-            window = {{window.low.x, height - window.high.y}, {window.high.x, height - window.low.y}};
+        if (std::optional<Bounds2i> &window = file.metadata.pixelBounds) {
+            const int height = file.metadata.fullResolution->y;
+            window = {{window->low.x, height - window->high.y}, {window->high.x, height - window->low.y}};
         }
     }
     if (o.repeat > 1) {

@@ -44,10 +44,10 @@ int Splitn(const SplitnOptions &o) {
         CheckComparable(files[0], o.paths[0], files.back(), path);
     }
     const Point2i resolution = files[0].image.Resolution();
-    for (Point2i &corner : corners) corner -= WindowOf(files[0]).low;
+    const Bounds2i window = WindowOf(files[0]);
     for (size_t i = 0; i < corners.size(); ++i)
-        if (corners[i].x < 0 || corners[i].y < 0 || corners[i].x + o.cropSize > resolution.x ||
-            corners[i].y + o.cropSize > resolution.y)
+        if (corners[i].x < window.low.x || corners[i].y < window.low.y || corners[i].x > window.high.x - o.cropSize ||
+            corners[i].y > window.high.y - o.cropSize)
             throw UserError("--crop {}: a square of {} pixels there reaches beyond the {} of the images.", o.crops[i],
                             o.cropSize, SizeText(files[0].image));
 
@@ -67,7 +67,7 @@ int Splitn(const SplitnOptions &o) {
             const Point2i at = layout.CropAt(i, int(row));
             for (int y = 0; y < layout.step - kGap; ++y)
                 for (int x = 0; x < layout.step - kGap; ++x)
-                    copy(at + Point2i(x, y), files[i].image, corners[row] + Point2i(x, y) / layout.zoom);
+                    copy(at + Point2i(x, y), files[i].image, corners[row] - window.low + Point2i(x, y) / layout.zoom);
         }
     ImageMetadata metadata;
     metadata.colorSpace = files[0].metadata.colorSpace;

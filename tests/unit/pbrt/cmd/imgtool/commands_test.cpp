@@ -132,7 +132,9 @@ TEST_F(Imgtool, SplitnShowsStripsAndEnlargedCrops) {
     EXPECT_EQ(s.Get({13, 18}, 0), 1) << "gap";
     ExpectErrors({{"splitn i0.exr --outfile s.exr", "two"},
                   {"splitn i0.exr i1.exr --crop 3 --outfile s.exr", "x,y"},
-                  {"splitn i0.exr i1.exr --crop 0,7 --cropsize 6 --outfile s.exr", "48 x 12"}});
+                  {"splitn i0.exr i1.exr --crop 0,7 --cropsize 6 --outfile s.exr", "48 x 12"},
+                  {"splitn i0.exr i1.exr --crop 2147483640,0 --cropsize 16 --outfile s.exr", "beyond the 48 x 12"},
+                  {"splitn i0.exr i1.exr --crop 0,0 --cropsize 13 --outfile s.exr", "beyond the 48 x 12"}});
 }
 
 TEST_F(Imgtool, BloomSpreadsBrightPixelsAndKeepsTheirLight) {
@@ -205,8 +207,8 @@ TEST_F(Imgtool, ScalenormalmapScalesSlopes) {
                 image.Get({0, 0}, 1), 1e-5f);
     // Bytes are values times 255, without the sRGB curve.
     RunWell("scalenormalmap a.exr --outfile d.png");
-    RunWell("scalenormalmap d.png --outfile e.png");
-    for (const char *file : {"d.png", "e.png"}) {
+    RunWell("scalenormalmap d.png --outfile e.PNG");
+    for (const char *file : {"d.png", "e.PNG"}) {
         const Image png = ReadImage(Path(file), ColorEncoding{ColorEncoding::Kind::Linear}).image;
         for (int c = 0; c < 3; ++c) EXPECT_NEAR(png.Get({0, 0}, c), image.Get({0, 0}, c), 0.6f / 255) << file;
     }

@@ -285,6 +285,11 @@ TEST_F(Imgtool, DataWindowsMoveWithThePixels) {
     EXPECT_EQ(repeated.metadata.fullResolution, Point2i(48, 36));
     EXPECT_EQ(Written("falsecolor tr.exr --outfile v.exr").metadata.pixelBounds->low, Point2i(8, 1));
     RunWell("falsecolor tr.exr --ramp --outfile v.exr");
+    // A crop of a format without windows keeps its place and the size of the whole.
+    WriteImage(Path("p.pfm"), part.image);
+    const ImageMetadata cropped = Written("convert p.pfm --crop 1,7,0,2 --flipy --outfile c.exr").metadata;
+    EXPECT_EQ(cropped.pixelBounds, (Bounds2i{{1, 3}, {7, 5}}));
+    EXPECT_EQ(cropped.fullResolution, Point2i(8, 5));
 }
 
 TEST_F(Imgtool, ClampKeepsTheHue) {
@@ -341,6 +346,10 @@ TEST_F(Imgtool, TonemapMapsTheMaximumLuminanceToOneAndKeepsHue) {
     const Image byDefault = Written("convert b.exr --exposure 1 --tonemap --outfile t.exr").image;
     EXPECT_NEAR(byDefault.Get({0, 0}, 1), 1, 1e-4f);
     EXPECT_NEAR(byDefault.Get({1, 0}, 1), 2 * (1 + 2 / 256.f) / 3, 1e-4f);
+    WriteImage(Path("i.exr"), RgbImage({2, 1}, [](int x, int) { return Rgb(x ? 1.f : INFINITY); }));
+    const Image infinite = Written("convert i.exr --tonemap --outfile t.exr").image;
+    EXPECT_EQ(RgbAt(infinite, {0, 0}), Rgb(INFINITY)) << "white in files of bytes";
+    EXPECT_NEAR(infinite.Get({1, 0}, 1), 1, 1e-4f);
     ExpectErrors({{"convert b.exr --maxluminance 4 --outfile t.exr", "--tonemap"}});
 }
 

@@ -7,10 +7,12 @@ namespace pbrt {
 Float LightBounds::Importance(const Point3 &p, const Normal3 &n) const { return Sphere().Importance(p, n); }
 
 bool IsSimilarity(const Transform &t) {
-    Vector3 x = t.Vector({1, 0, 0}), y = t.Vector({0, 1, 0}), z = t.Vector({0, 0, 1});
-    Float xx = LengthSquared(x), tolerance = 1e-4f * xx;
-    return std::abs(LengthSquared(y) - xx) <= tolerance && std::abs(LengthSquared(z) - xx) <= tolerance &&
-           AbsDot(x, y) <= tolerance && AbsDot(y, z) <= tolerance && AbsDot(z, x) <= tolerance;
+    const glm::dmat3 m(glm::mat3(t.Matrix())), products = glm::transpose(m) * m;
+    const double square = products[0][0];
+    for (int i = 0; i < 3; ++i)
+        for (int j = 0; j < 3; ++j)
+            if (!(std::abs(products[i][j] - (i == j ? square : 0)) <= 1e-4 * square)) return false;
+    return true;
 }
 
 LightBounds Union(const LightBounds &a, const LightBounds &b) {

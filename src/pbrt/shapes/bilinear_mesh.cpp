@@ -266,11 +266,11 @@ SurfacePoint BilinearMesh::Surface(uint32_t primitive, const PrimitiveHit &hit) 
 
     const uint32_t *v = &mesh_.indices[4 * size_t(primitive)];
     const Normal3 &n00 = mesh_.n[v[0]], &n10 = mesh_.n[v[1]], &n01 = mesh_.n[v[2]], &n11 = mesh_.n[v[3]];
-    Normal3 ns = Bilerp(uv, n00, n10, n01, n11);
-    if (!(LengthSquared(ns) > 0)) return s;
-    ns = Normalize(ns);
-    dndu = Lerp(uv.y, n10, n11) - Lerp(uv.y, n00, n01);
-    dndv = Lerp(uv.x, n01, n11) - Lerp(uv.x, n00, n10);
+    const Normal3 n = Bilerp(uv, n00, n10, n01, n11);
+    if (!(LengthSquared(n) > 0)) return s;
+    const Normal3 ns = Normalize(n);
+    dndu = UnitNormalDerivative(n, Lerp(uv.y, n10, n11) - Lerp(uv.y, n00, n01));
+    dndv = UnitNormalDerivative(n, Lerp(uv.x, n01, n11) - Lerp(uv.x, n00, n10));
     s.shading.dndu = st.AlongS(dndu, dndv);
     s.shading.dndv = st.AlongT(dndu, dndv);
     s.shading.dpdu = RotateFromTo(s.n, ns, s.dpdu);

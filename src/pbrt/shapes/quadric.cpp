@@ -83,8 +83,9 @@ SurfacePoint Quadric::Surface(uint32_t primitive, const PrimitiveHit &hit) const
     s.n = RenderNormal(at.n);
     s.dpdu = renderFromObject_.Vector(at.dpdu);
     s.dpdv = renderFromObject_.Vector(at.dpdv);
-    s.dndu = side * renderFromObject_.Normal(at.dndu);
-    s.dndv = side * renderFromObject_.Normal(at.dndv);
+    const Normal3 placed = renderFromObject_.Normal(at.n);
+    s.dndu = side * UnitNormalDerivative(placed, renderFromObject_.Normal(at.dndu));
+    s.dndv = side * UnitNormalDerivative(placed, renderFromObject_.Normal(at.dndv));
     s.shading = {s.n, s.dpdu, s.dpdv, s.dndu, s.dndv};
     return s;
 }

@@ -58,6 +58,14 @@ inline void NormalDerivatives(const Vector3 &dpdu, const Vector3 &dpdv, const Ve
     *dndv = ((g * uv - f * vv) * dpdu + (f * uv - g * uu) * dpdv) * inverse;
 }
 
+/// Derivative of n / |n| where n has derivative dn; 0 if n is 0.
+inline Normal3 UnitNormalDerivative(const Normal3 &n, const Normal3 &dn) {
+    const Float length = Length(n);
+    if (!(length > 0)) return Normal3(0);
+    const Normal3 unit = n / length, change = dn / length;
+    return change - unit * Dot(unit, change);
+}
+
 /// A sampled point of a shape. The sampling function defines the measure of `pdf`.
 struct ShapeSample {
     Point3 p{};

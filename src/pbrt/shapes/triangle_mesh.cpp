@@ -198,8 +198,8 @@ SurfacePoint TriangleMesh::Surface(uint32_t primitive, const PrimitiveHit &hit) 
         if (LengthSquared(n) > 0) ns = Normalize(n);
         Normal3 dn02 = mesh_.n[v[0]] - mesh_.n[v[2]], dn12 = mesh_.n[v[1]] - mesh_.n[v[2]];
         if (!degenerateUv) {
-            s.shading.dndu = perU(dn02, dn12);
-            s.shading.dndv = perV(dn02, dn12);
+            s.shading.dndu = UnitNormalDerivative(n, perU(dn02, dn12));
+            s.shading.dndv = UnitNormalDerivative(n, perV(dn02, dn12));
         } else if (Normal3 turn = Cross(dn12, dn02); LengthSquared(turn) > 0) {
             CoordinateSystem(Normalize(turn), &s.shading.dndu, &s.shading.dndv);
         }

@@ -59,7 +59,7 @@ Vector3 RotateFromTo(const Vector3 &from, const Vector3 &to, const Vector3 &v) {
 
 bool IsNearlyRectangle(const Point3 &p00, const Point3 &p10, const Point3 &p01, const Point3 &p11) {
     if (p00 == p10 || p10 == p11 || p11 == p01 || p01 == p00) return false;
-    Vector3 n = Normalize(Cross(p10 - p00, p01 - p00));
+    Vector3 n = RobustUnitCross(p10 - p00, p01 - p00);
     if (!(AbsDot(Normalize(p11 - p00), n) <= Float(1e-5))) return false;
     Point3 center = (p00 + p10 + p01 + p11) / Float(4);
     Float d = DistanceSquared(p00, center);
@@ -81,7 +81,7 @@ Vector3 BilinearMesh::Corners::Error(const Point2 &uv, const Point3 &p, const No
     return Gamma(6) * (Abs(p00) + Abs(p10) + Abs(p01) + Abs(p11)) + test * Abs(n);
 }
 void BilinearMesh::Corners::AreaWeights(Float w[4]) const {
-    for (int i = 0; i < 4; ++i) w[i] = Length(Cross(DpDu(Float(i >> 1)), DpDv(Float(i & 1))));
+    for (int i = 0; i < 4; ++i) w[i] = CrossLength(DpDu(Float(i >> 1)), DpDv(Float(i & 1)));
 }
 
 BilinearMesh::BilinearMesh(MeshData data, const Transform &renderFromObject, bool reverseOrientation,
@@ -128,8 +128,7 @@ Float BilinearMesh::Area(uint32_t primitive) const {
         for (int j = 0; j <= kPieces; ++j) p[i][j] = c.At({Float(i) / kPieces, Float(j) / kPieces});
     Float area = 0;
     for (int i = 0; i < kPieces; ++i)
-        for (int j = 0; j < kPieces; ++j)
-            area += Length(Cross(p[i + 1][j + 1] - p[i][j], p[i + 1][j] - p[i][j + 1])) / 2;
+        for (int j = 0; j < kPieces; ++j) area += CrossLength(p[i + 1][j + 1] - p[i][j], p[i + 1][j] - p[i][j + 1]) / 2;
     return area;
 }
 
@@ -317,7 +316,7 @@ Float BilinearMesh::PdfArea(uint32_t primitive, const Corners &c, const Point2 &
         c.AreaWeights(w);
         density = BilinearPdf(uv, w);
     }
-    return density / Length(Cross(c.DpDu(uv.y), c.DpDv(uv.x)));
+    return density / CrossLength(c.DpDu(uv.y), c.DpDv(uv.x));
 }
 
 ShapeSample BilinearMesh::SampleAt(uint32_t primitive, const Corners &c, const Point2 &uv) const {

@@ -34,7 +34,7 @@ void Quadric::SetArea(Float objectArea) {
         for (int j = 0; j < kSteps; ++j) {
             Point2 uv((Float(i) + Float(0.5)) / kSteps, (Float(j) + Float(0.5)) / kSteps);
             ObjectPoint at = PointAt(uv);
-            sum += double(Length(Cross(renderFromObject_.Vector(at.dpdu), renderFromObject_.Vector(at.dpdv))));
+            sum += double(CrossLength(renderFromObject_.Vector(at.dpdu), renderFromObject_.Vector(at.dpdv)));
         }
     area_ = Float(sum / (kSteps * kSteps));
 }

@@ -171,14 +171,16 @@ TEST(TriangleSurface, NormalDerivativesFollowUv) {
     MeshData data = OnePrimitive({{0, 0, 0}, {1, 0, 0}, {0, 1, 0}});
     data.uv = {{0, 0}, {2, 0}, {0, 4}};
     data.n = {{0, 0, 1}, {0.2f, 0, 1}, {0, 0.4f, 1}};
-    // Also under a scale, which lengthens or shortens the stored normals.
-    for (const Float scale : {1.f, 0.01f}) {
+    // Also under a scale, which lengthens or shortens the stored normals, and of triangles so small or large that the
+    // squared area leaves single precision.
+    for (const Float scale : {1.f, 0.01f, 1e-12f, 1e12f}) {
         const TriangleMesh mesh(data, Transform::Scale(Vector3(scale)), false);
         SurfacePoint s = mesh.Surface(0, {1, 0, 0});
         EXPECT_NEAR(s.shading.dndu.x, 0.1f, 1e-6);
         EXPECT_NEAR(s.shading.dndv.y, 0.1f, 1e-6);
         EXPECT_NEAR(s.dpdu.x / scale, 0.5f, 1e-6);
         EXPECT_NEAR(s.dpdv.y / scale, 0.25f, 1e-6);
+        EXPECT_NEAR(mesh.Area(0) / scale / scale, 0.5f, 1e-6);
     }
 }
 

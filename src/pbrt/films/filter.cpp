@@ -77,14 +77,24 @@ class TabulatedFilter final : public Filter {
                 absolute += std::abs(double(values[i]));
             }
             distribution = PiecewiseConstant1D(values, -radius, radius);
-            signedIntegral = Float(sum * 2 * double(radius) / double(n));
+            if (sum > 0) signedIntegral = Float(Integral(radius, n, sum));
             auto magnitude = Float(absolute / sum);
             for (Float v : values) weights.push_back(v < 0 ? -magnitude : magnitude);
+        }
+        /// Of the profile: by the sum over the n cells, unless it varies within a cell.
+        double Integral(Float radius, size_t n, double sum) const {
+            const size_t steps = n * std::max<size_t>(1, 65536 / n);
+            double fine = 0;
+            for (size_t i = 0; i < steps; ++i)
+                fine += double(profile(Lerp((Float(i) + Float(0.5)) / Float(steps), -radius, radius)));
+            const double width = 2 * double(radius), byCells = sum * width / double(n);
+            fine *= width / double(steps);
+            return std::abs(byCells - fine) < 1e-3 * fine ? byCells : fine;
         }
         Profile profile;
         PiecewiseConstant1D distribution;
         std::vector<Float> weights;  ///< per cell: +-(integral of |f|) / (integral of f)
-        Float signedIntegral = 0;
+        Float signedIntegral = 0;    ///< 0 if that of the table is not above 0
     };
     std::array<Axis, 2> axes_;
 };

@@ -78,7 +78,8 @@ class ImageInfiniteLight final : public EnvironmentLight {
   public:
     /// `image`: square, channels R, G, B in this order, finite.
     ImageInfiniteLight(const Transform &renderFromLight, Image image, const ColorSpace &colorSpace, Float scale)
-        : renderFromLight_(renderFromLight), image_(std::move(image)), colorSpace_(&colorSpace), scale_(scale) {
+        : renderFromLight_(renderFromLight), isSimilarity_(renderFromLight.UniformScale(1e-4).has_value()),
+          image_(std::move(image)), colorSpace_(&colorSpace), scale_(scale) {
         Point2i n = image_.Resolution();
         PBRT_CHECK(n.x == n.y && n.x > 0 && image_.ChannelCount() == 3);
         std::vector<Float> weights;
@@ -125,7 +126,8 @@ class ImageInfiniteLight final : public EnvironmentLight {
         const auto sample = [&](const Point2 &st, Float pdfSquare, const ScaledPolynomial &rgb) {
             const SampledSpectrum L = pdfSquare > 0 ? Radiance(rgb, st, lambda) : SampledSpectrum(0);
             if (!L) return std::optional<LightLiSample>();
-            return std::optional(LightLiSample{.L = L, .wi = DirectionAt(st), .pdf = pdfSquare * Inv4Pi});
+            const Vector3 wi = DirectionAt(st);
+            return std::optional(LightLiSample{.L = L, .wi = wi, .pdf = PdfTowards(wi, pdfSquare)});
         };
         if (allowIncompletePdfs) {
             const auto s = compensated_.Sample(u);
@@ -136,7 +138,12 @@ class ImageInfiniteLight final : public EnvironmentLight {
     }
     Float DirectionPdf(const Point3 &, const Vector3 &wi, bool allowIncompletePdfs) const override {
         const Point2 st = SquareTowards(wi);
-        return (allowIncompletePdfs ? compensated_.Pdf(st) : distribution_.Pdf(st)) * Inv4Pi;
+        return PdfTowards(wi, allowIncompletePdfs ? compensated_.Pdf(st) : distribution_.Pdf(st));
+    }
+    /// Density by solid angle at a unit direction with density `pdfSquare` on the image's square.
+    Float PdfTowards(const Vector3 &wi, Float pdfSquare) const {
+        const Float pdf = pdfSquare * Inv4Pi;
+        return isSimilarity_ ? pdf : MappedDirectionPdf(renderFromLight_, wi, pdf);
     }
     /// Position of direction d (unit) on the image's square, and the inverse.
     Point2 SquareTowards(const Vector3 &d) const {
@@ -153,6 +160,7 @@ class ImageInfiniteLight final : public EnvironmentLight {
     }
 
     Transform renderFromLight_;
+    bool isSimilarity_;
     Image image_;
     const ColorSpace *colorSpace_;
     Float scale_;

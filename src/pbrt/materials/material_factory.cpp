@@ -199,11 +199,11 @@ void ApplyBumpMap(const FloatTexture &height, SurfacePoint &point) {
     const Float du = Step(point.dudx, point.dudy), dv = Step(point.dvdx, point.dvdy);
     const Vector3 dpdu = tangent(shading.dpdu, shading.dndu, {du, 0}, du);
     const Vector3 dpdv = tangent(shading.dpdv, shading.dndv, {0, dv}, dv);
-    const Vector3 across = Cross(dpdu, dpdv);
-    if (!(LengthSquared(across) > 0)) return;
+    const Float size = Dot(Abs(Cross(dpdu, dpdv)), Vector3(1));
+    if (!(size > 0 && size < Infinity)) return;
     shading.dpdu = dpdu;
     shading.dpdv = dpdv;
-    shading.n = FaceForward(Normalize(across), point.n);
+    shading.n = FaceForward(RobustUnitCross(dpdu, dpdv), point.n);
 }
 
 void ApplyNormalMap(const Image &image, SurfacePoint &point) {

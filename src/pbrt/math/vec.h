@@ -70,6 +70,29 @@ inline Vector3 Cross(const Vector3 &a, const Vector3 &b) {
 inline Float LengthSquared(const Vector3 &v) { return glm::dot(v, v); }
 inline Float Length(const Vector3 &v) { return std::sqrt(LengthSquared(v)); }
 inline Vector3 Normalize(const Vector3 &v) { return v / Length(v); }
+/// Direction of a x b in double precision; (0, 0, 1) if the product vanishes.
+[[gnu::noinline]] inline Normal3 UnitCrossInDouble(const Vector3 &a, const Vector3 &b) {
+    const glm::dvec3 exact = glm::cross(glm::dvec3(a), glm::dvec3(b));
+    const double length = glm::length(exact);
+    return length > 0 ? Normal3(exact / length) : Normal3(0, 0, 1);
+}
+
+/// Direction of a x b, in double precision only if squares of the float product are not normal numbers.
+[[gnu::always_inline]] inline Normal3 RobustUnitCross(const Vector3 &a, const Vector3 &b) {
+    const Vector3 n = Cross(a, b);
+    const Float squared = LengthSquared(n);
+    if (squared > Float(1e-32) && squared < Infinity) [[likely]]
+        return n / std::sqrt(squared);
+    return UnitCrossInDouble(a, b);
+}
+/// Length of a x b, also if its square is not a normal number.
+inline Float CrossLength(const Vector3 &a, const Vector3 &b) {
+    const Vector3 n = Cross(a, b);
+    const Float squared = LengthSquared(n);
+    if (squared > Float(1e-32) && squared < Infinity) [[likely]]
+        return std::sqrt(squared);
+    return Float(glm::length(glm::cross(glm::dvec3(a), glm::dvec3(b))));
+}
 inline Float DistanceSquared(const Point3 &a, const Point3 &b) { return LengthSquared(a - b); }
 inline Float Distance(const Point3 &a, const Point3 &b) { return Length(a - b); }
 inline Vector3 FaceForward(const Vector3 &n, const Vector3 &v) { return Dot(n, v) < 0 ? -n : n; }

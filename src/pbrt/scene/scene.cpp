@@ -17,9 +17,9 @@ Vector3 PlaneOffset(const SurfacePoint &point, const Point3 &o, const Vector3 &d
 }
 
 /// Least-squares (u, v) step for a displacement dp along the surface.
-Vector2 ParameterStep(const SurfacePoint &point, const Vector3 &dp, Float inverseDeterminant, Float uu, Float uv,
-                      Float vv) {
-    Float bu = Dot(point.dpdu, dp), bv = Dot(point.dpdv, dp);
+Vector2 ParameterStep(const Vector3 &dpdu, const Vector3 &dpdv, const Vector3 &dp, Float inverseDeterminant, Float uu,
+                      Float uv, Float vv) {
+    Float bu = Dot(dpdu, dp), bv = Dot(dpdv, dp);
     Float du = DifferenceOfProducts(vv, bu, uv, bv) * inverseDeterminant;
     Float dv = DifferenceOfProducts(uu, bv, uv, bu) * inverseDeterminant;
     constexpr Float kMax = 1e8f;
@@ -55,11 +55,16 @@ void ComputeFootprint(SurfacePoint &point, const RayDifferential &differential, 
     } else {
         camera.ApproximateFootprint(point.p, point.n, point.time, samplesPerPixel, &point.dpdx, &point.dpdy);
     }
-    Float uu = Dot(point.dpdu, point.dpdu), uv = Dot(point.dpdu, point.dpdv), vv = Dot(point.dpdv, point.dpdv);
+    // A power of two keeps fourth powers of the lengths normal numbers.
+    const Float size = std::max(MaxComponent(Abs(point.dpdu)), MaxComponent(Abs(point.dpdv)));
+    const bool isUsual = (size > Float(1e-6) && size < Float(1e6)) || !(size > 0 && size < Infinity);
+    const Float unit = isUsual ? Float(1) : std::ldexp(Float(1), -std::ilogb(size));
+    const Vector3 dpdu = point.dpdu * unit, dpdv = point.dpdv * unit;
+    Float uu = Dot(dpdu, dpdu), uv = Dot(dpdu, dpdv), vv = Dot(dpdv, dpdv);
     Float inverse = 1 / DifferenceOfProducts(uu, vv, uv, uv);
     if (!std::isfinite(inverse)) inverse = 0;
-    Vector2 x = ParameterStep(point, point.dpdx, inverse, uu, uv, vv);
-    Vector2 y = ParameterStep(point, point.dpdy, inverse, uu, uv, vv);
+    Vector2 x = ParameterStep(dpdu, dpdv, point.dpdx * unit, inverse, uu, uv, vv);
+    Vector2 y = ParameterStep(dpdu, dpdv, point.dpdy * unit, inverse, uu, uv, vv);
     point.dudx = x.x;
     point.dvdx = x.y;
     point.dudy = y.x;

@@ -58,7 +58,7 @@ Vector3 RotateFromTo(const Vector3 &from, const Vector3 &to, const Vector3 &v) {
 
 bool IsNearlyRectangle(const Point3 &p00, const Point3 &p10, const Point3 &p01, const Point3 &p11) {
     if (p00 == p10 || p10 == p11 || p11 == p01 || p01 == p00) return false;
-    Vector3 n = Normalize(Cross(p10 - p00, p01 - p00));
+    Vector3 n = RobustUnitCross(p10 - p00, p01 - p00);
     if (!(AbsDot(Normalize(p11 - p00), n) <= Float(1e-5))) return false;
     Point3 center = (p00 + p10 + p01 + p11) / Float(4);
     Float d = DistanceSquared(p00, center);
@@ -80,7 +80,7 @@ Vector3 BilinearMesh::Corners::Error(const Point2 &uv, const Point3 &p, const No
     return Gamma(6) * (Abs(p00) + Abs(p10) + Abs(p01) + Abs(p11)) + test * Abs(n);
 }
 void BilinearMesh::Corners::AreaWeights(Float w[4]) const {
-    for (int i = 0; i < 4; ++i) w[i] = Length(Cross(DpDu(Float(i >> 1)), DpDv(Float(i & 1))));
+    for (int i = 0; i < 4; ++i) w[i] = CrossLength(DpDu(Float(i >> 1)), DpDv(Float(i & 1)));
 }
 
 BilinearMesh::BilinearMesh(MeshData data, const Transform &renderFromObject, bool reverseOrientation,
@@ -127,8 +127,7 @@ Float BilinearMesh::Area(uint32_t primitive) const {
         for (int j = 0; j <= kPieces; ++j) p[i][j] = c.At({Float(i) / kPieces, Float(j) / kPieces});
     Float area = 0;
     for (int i = 0; i < kPieces; ++i)
-        for (int j = 0; j < kPieces; ++j)
-            area += Length(Cross(p[i + 1][j + 1] - p[i][j], p[i + 1][j] - p[i][j + 1])) / 2;
+        for (int j = 0; j < kPieces; ++j) area += CrossLength(p[i + 1][j + 1] - p[i][j], p[i + 1][j] - p[i][j + 1]) / 2;
     return area;
 }
 
@@ -265,11 +264,11 @@ SurfacePoint BilinearMesh::Surface(uint32_t primitive, const PrimitiveHit &hit) 
 
     const uint32_t *v = &mesh_.indices[4 * size_t(primitive)];
     const Normal3 &n00 = mesh_.n[v[0]], &n10 = mesh_.n[v[1]], &n01 = mesh_.n[v[2]], &n11 = mesh_.n[v[3]];
-    Normal3 ns = Bilerp(uv, n00, n10, n01, n11);
-    if (!(LengthSquared(ns) > 0)) return s;
-    ns = Normalize(ns);
-    dndu = Lerp(uv.y, n10, n11) - Lerp(uv.y, n00, n01);
-    dndv = Lerp(uv.x, n01, n11) - Lerp(uv.x, n00, n10);
+    const Normal3 n = Bilerp(uv, n00, n10, n01, n11);
+    if (!(LengthSquared(n) > 0)) return s;
+    const Normal3 ns = Normalize(n);
+    dndu = UnitNormalDerivative(n, Lerp(uv.y, n10, n11) - Lerp(uv.y, n00, n01));
+    dndv = UnitNormalDerivative(n, Lerp(uv.x, n01, n11) - Lerp(uv.x, n00, n10));
     s.shading.dndu = st.AlongS(dndu, dndv);
     s.shading.dndv = st.AlongT(dndu, dndv);
     s.shading.dpdu = RotateFromTo(s.n, ns, s.dpdu);
@@ -316,7 +315,7 @@ Float BilinearMesh::PdfArea(uint32_t primitive, const Corners &c, const Point2 &
         c.AreaWeights(w);
         density = BilinearPdf(uv, w);
     }
-    return density / Length(Cross(c.DpDu(uv.y), c.DpDv(uv.x)));
+    return density / CrossLength(c.DpDu(uv.y), c.DpDv(uv.x));
 }
 
 ShapeSample BilinearMesh::SampleAt(uint32_t primitive, const Corners &c, const Point2 &uv) const {

@@ -133,7 +133,7 @@ SplitSize MeasureSplit(const PlyMesh &ply, const Transform &renderFromObject) {
     ForEachTriangle(ply, [&](uint32_t a, uint32_t b, uint32_t c) {
         const Vector3 u = renderFromObject.Vector(p[b] - p[a]), v = renderFromObject.Vector(p[c] - p[a]);
         ++size.faces;
-        size.area += double(Length(Cross(u, v))) / 2;
+        size.area += double(CrossLength(u, v)) / 2;
         size.edges += double(std::max({Length(u), Length(v), Distance(u, v)}));
     });
     return size;

@@ -34,7 +34,7 @@ void Quadric::SetArea(Float objectArea) {
         for (int j = 0; j < kSteps; ++j) {
             Point2 uv((Float(i) + Float(0.5)) / kSteps, (Float(j) + Float(0.5)) / kSteps);
             ObjectPoint at = PointAt(uv);
-            sum += double(Length(Cross(renderFromObject_.Vector(at.dpdu), renderFromObject_.Vector(at.dpdv))));
+            sum += double(CrossLength(renderFromObject_.Vector(at.dpdu), renderFromObject_.Vector(at.dpdv)));
         }
     area_ = Float(sum / (kSteps * kSteps));
 }
@@ -83,8 +83,9 @@ SurfacePoint Quadric::Surface(uint32_t primitive, const PrimitiveHit &hit) const
     s.n = RenderNormal(at.n);
     s.dpdu = renderFromObject_.Vector(at.dpdu);
     s.dpdv = renderFromObject_.Vector(at.dpdv);
-    s.dndu = side * renderFromObject_.Normal(at.dndu);
-    s.dndv = side * renderFromObject_.Normal(at.dndv);
+    const Normal3 placed = renderFromObject_.Normal(at.n);
+    s.dndu = side * UnitNormalDerivative(placed, renderFromObject_.Normal(at.dndu));
+    s.dndv = side * UnitNormalDerivative(placed, renderFromObject_.Normal(at.dndv));
     s.shading = {s.n, s.dpdu, s.dpdv, s.dndu, s.dndv};
     return s;
 }

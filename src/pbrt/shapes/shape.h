@@ -51,11 +51,23 @@ Bounds3 PlacedBounds(const Transform &t, const Bounds3 &b);
 inline void NormalDerivatives(const Vector3 &dpdu, const Vector3 &dpdv, const Vector3 &d2pduu, const Vector3 &d2pduv,
                               const Vector3 &d2pdvv, const Normal3 &n, Normal3 *dndu, Normal3 *dndv) {
     Float uu = Dot(dpdu, dpdu), uv = Dot(dpdu, dpdv), vv = Dot(dpdv, dpdv);
-    Float e = Dot(n, d2pduu), f = Dot(n, d2pduv), g = Dot(n, d2pdvv);
-    Float determinant = DifferenceOfProducts(uu, vv, uv, uv);
-    Float inverse = determinant == 0 ? 0 : 1 / determinant;
-    *dndu = ((f * uv - e * vv) * dpdu + (e * uv - f * uu) * dpdv) * inverse;
-    *dndv = ((g * uv - f * vv) * dpdu + (f * uv - g * uu) * dpdv) * inverse;
+    // Fourth powers of lengths may leave single precision.
+    using D = double;
+    const D determinant = D(uu) * D(vv) - D(uv) * D(uv), inverse = determinant == 0 ? 0 : 1 / determinant;
+    auto combined = [&](D e, D f) {
+        return Float((f * D(uv) - e * D(vv)) * inverse) * dpdu + Float((e * D(uv) - f * D(uu)) * inverse) * dpdv;
+    };
+    const D f(Dot(n, d2pduv));
+    *dndu = combined(D(Dot(n, d2pduu)), f);
+    *dndv = combined(f, D(Dot(n, d2pdvv)));
+}
+
+/// Derivative of n / |n| where n has derivative dn; 0 if n is 0.
+inline Normal3 UnitNormalDerivative(const Normal3 &n, const Normal3 &dn) {
+    const Float length = Length(n);
+    if (!(length > 0)) return Normal3(0);
+    const Normal3 unit = n / length, change = dn / length;
+    return change - unit * Dot(unit, change);
 }
 
 /// A sampled point of a shape. The sampling function defines the measure of `pdf`.

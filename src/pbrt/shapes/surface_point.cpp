@@ -30,13 +30,14 @@ SurfacePoint TransformSurface(const Transform &t, const SurfacePoint &s) {
     r.n = UnitNormal(t, s.n);
     r.dpdu = t.Vector(s.dpdu);
     r.dpdv = t.Vector(s.dpdv);
-    r.dndu = t.Normal(s.dndu);
-    r.dndv = t.Normal(s.dndv);
+    const Normal3 placed = t.Normal(s.n), placedShading = t.Normal(s.shading.n);
+    r.dndu = UnitNormalDerivative(placed, t.Normal(s.dndu));
+    r.dndv = UnitNormalDerivative(placed, t.Normal(s.dndv));
     r.shading.n = FaceForward(UnitNormal(t, s.shading.n), r.n);
     r.shading.dpdu = t.Vector(s.shading.dpdu);
     r.shading.dpdv = t.Vector(s.shading.dpdv);
-    r.shading.dndu = t.Normal(s.shading.dndu);
-    r.shading.dndv = t.Normal(s.shading.dndv);
+    r.shading.dndu = UnitNormalDerivative(placedShading, t.Normal(s.shading.dndu));
+    r.shading.dndv = UnitNormalDerivative(placedShading, t.Normal(s.shading.dndv));
     return r;
 }
 

@@ -79,7 +79,7 @@ Bounds3 TriangleMesh::PrimitiveBounds(uint32_t primitive) const {
 
 Float TriangleMesh::Area(uint32_t primitive) const {
     Corners c = CornersOf(primitive);
-    return Length(Cross(c.p1 - c.p0, c.p2 - c.p0)) / 2;
+    return CrossLength(c.p1 - c.p0, c.p2 - c.p0) / 2;
 }
 
 DirectionCone TriangleMesh::NormalBounds(uint32_t primitive) const {
@@ -184,7 +184,7 @@ SurfacePoint TriangleMesh::Surface(uint32_t primitive, const PrimitiveHit &hit) 
     s.pError += PlaneTestError(c.p0, c.p1, c.p2, s.p) * Abs(face);
     s.dpdu = perU(dp02, dp12);
     s.dpdv = perV(dp02, dp12);
-    if (degenerateUv || LengthSquared(Cross(s.dpdu, s.dpdv)) == 0) {
+    if (degenerateUv || Cross(s.dpdu, s.dpdv) == Vector3(0)) {
         degenerateUv = true;
         CoordinateSystem(-face, &s.dpdu, &s.dpdv);
     }
@@ -198,8 +198,8 @@ SurfacePoint TriangleMesh::Surface(uint32_t primitive, const PrimitiveHit &hit) 
         if (LengthSquared(n) > 0) ns = Normalize(n);
         Normal3 dn02 = mesh_.n[v[0]] - mesh_.n[v[2]], dn12 = mesh_.n[v[1]] - mesh_.n[v[2]];
         if (!degenerateUv) {
-            s.shading.dndu = perU(dn02, dn12);
-            s.shading.dndv = perV(dn02, dn12);
+            s.shading.dndu = UnitNormalDerivative(n, perU(dn02, dn12));
+            s.shading.dndv = UnitNormalDerivative(n, perV(dn02, dn12));
         } else if (Normal3 turn = Cross(dn12, dn02); LengthSquared(turn) > 0) {
             CoordinateSystem(Normalize(turn), &s.shading.dndu, &s.shading.dndv);
         }

@@ -5,22 +5,6 @@
 
 namespace pbrt {
 
-/// Direction of a x b in double precision; (0, 0, 1) if the product vanishes.
-[[gnu::noinline]] inline Normal3 UnitCrossInDouble(const Vector3 &a, const Vector3 &b) {
-    const glm::dvec3 exact = glm::cross(glm::dvec3(a), glm::dvec3(b));
-    const double length = glm::length(exact);
-    return length > 0 ? Normal3(exact / length) : Normal3(0, 0, 1);
-}
-
-/// Direction of a x b, in double precision only if squares of the float product are not normal numbers.
-[[gnu::always_inline]] inline Normal3 RobustUnitCross(const Vector3 &a, const Vector3 &b) {
-    const Vector3 n = Cross(a, b);
-    const Float squared = LengthSquared(n);
-    if (squared > Float(1e-32) && squared < Infinity) [[likely]]
-        return n / std::sqrt(squared);
-    return UnitCrossInDouble(a, b);
-}
-
 /// Error bound, along the normal, of the plane in Embree's test of triangle p0, p1, p2 for rays starting near its point
 /// p. The test evaluates (p0 - o) . (a x b) with edges a = p2 - p0 and b = p0 - p1. Each component of the cross product
 /// is a difference of products of (a, b) or (b, c), whichever are smaller. With the smaller product m and component N,

@@ -25,7 +25,7 @@ bool PathWalk::FindScattering(SampledWavelengths &lambda) {
         if (visible_ && !*visible_) RecordVisible(lambda);
         return true;
     }
-    ++passed_;
+    if (passed_++ == 0) start_ = ray_.o;
     const Vector3 d = ray_.d;
     ray_ = point.SpawnRay(d);
     differential_.rxOrigin += differential_.rxDirection * point.t;

@@ -112,7 +112,8 @@ class PathWalk {
     Ray ray_;
     RayDifferential differential_;
     PathVertex vertex_;
-    int passed_ = 0;
+    int passed_ = 0;           ///< surfaces since the last vertex
+    Point3 start_{};           ///< of the ray at the last vertex, if any was passed
     bool left_ = false;        ///< the ray left the scene
     bool fromCamera_ = false;  ///< the ray starts at the camera
     std::optional<VisibleSurface> *visible_;
@@ -123,7 +124,9 @@ void PathWalk::ForEachEmission(const SampledWavelengths &lambda, auto &&visit) c
     const Scene &scene = context_.scene;
     const SurfacePoint &point = vertex_.point;
     if (left_) {
-        scene.Lights().ForEachInfiniteEmission(ray_.o, ray_.d, lambda, [&](const SampledSpectrum &Le, LightId id) {
+        // A portal is passed from the last vertex on, as for light samples there.
+        const Point3 &start = passed_ > 0 ? start_ : ray_.o;
+        scene.Lights().ForEachInfiniteEmission(start, ray_.d, lambda, [&](const SampledSpectrum &Le, LightId id) {
             visit(Le, id, Point3(0), Normal3(0));
         });
     } else if (SampledSpectrum Le = EmittedRadiance(scene, point, lambda)) {

@@ -45,7 +45,8 @@ TEST(InfiniteLight, DirectionsFollowTheDensity) {
                           {"one pixel", [](int, int) { return Rgb(0.3f, 0.5f, 0.1f); }, 1},
                           {"sun", SkyWithSun, 8, false, 400},
                           {"compensated sun", SkyWithSun, 8, true, 400}};
-    const Transform transforms[] = {Transform(), Transform::Rotate(70, {1, -2, 1}), Transform::Scale({1, -1, 1})};
+    const Transform transforms[] = {Transform(), Transform::Rotate(70, {1, -2, 1}), Transform::Scale({1, -1, 1}),
+                                    Transform::Scale({2, 1, 1.5f})};
     for (const Case &c : cases)
         for (const Transform &ctm : transforms) {
             SCOPED_TRACE(c.name);

@@ -87,10 +87,14 @@ TEST(BumpMap, CurvedSurfaceHasTheNormalOfTheMovedOne) {
 }
 
 TEST(BumpMap, NormalStaysOnTheGeometricSide) {
-    SurfacePoint s = FlatPoint();
-    s.n = {0, 0, -1};
-    Bumps([](const TextureContext &c) { return c.p.x; }).Perturb(s);
-    ExpectAbout(s.shading.n, Normalize(Vector3(1, 0, -1)));
+    for (const Float scale : {1.f, 1e12f}) {
+        SurfacePoint s = FlatPoint();
+        s.n = {0, 0, -1};
+        s.shading.dpdu *= scale;
+        s.shading.dpdv *= scale;
+        Bumps([](const TextureContext &c) { return c.p.x; }).Perturb(s);
+        ExpectAbout(s.shading.n, Normalize(Vector3(1, 0, -1)));
+    }
 }
 
 TEST(BumpMap, MaterialsReadDisplacementButTheNormalMapWins) {

@@ -119,6 +119,11 @@ TEST(Footprint, IsThePixelsSizeOnTheCamerasAxis) {
     EXPECT_NEAR(std::abs(point.dudx), pixel / 2, 1e-3f * pixel);
     EXPECT_NEAR(std::abs(point.dvdy), pixel / 2, 1e-3f * pixel);
     EXPECT_NEAR(point.dudy, 0, 1e-3f * pixel);
+    SurfacePoint large = point;
+    large.dpdu *= 1e12f;
+    large.dpdv *= 1e12f;
+    ComputeFootprint(large, ray.differential, *built.camera, 1);
+    EXPECT_NEAR(large.dudx * 1e12f, point.dudx, 1e-3f * pixel);
     // Without differentials the footprint is the camera's estimate. That is the one of the film's corner, whose pixels
     // subtend the smallest angles, and it shrinks with the number of samples.
     ComputeFootprint(point, {}, *built.camera, 1);

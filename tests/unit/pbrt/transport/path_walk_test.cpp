@@ -96,6 +96,18 @@ TEST(PathWalk, MeetsTheLightOfASurfaceOrOfTheEnvironmentButNotBoth) {
     EXPECT_EQ(met(Disk(5, "AreaLightSource 'diffuse'")), Lights{}) << "the disk emits to its other side";
 }
 
+TEST(PathWalk, APortalIsPassedFromTheLastVertexOnNotFromAnInterfaceBehindIt) {
+    const std::string portal =
+        "LightSource 'infinite' 'rgb L' [ 1 1 1 ] 'point3 portal' [ -9 -9 3  -9 9 3  9 9 3  9 -9 3 ]\n";
+    for (const double z : {2, 4}) {
+        Walker walker(portal + Disk(z, kInterface));
+        EXPECT_EQ(walker.GoToVertex(), 1);
+        int lights = 0;
+        walker.walk.ForEachEmission(walker.lambda, [&](auto &&...) { ++lights; });
+        EXPECT_EQ(lights, 1) << z;
+    }
+}
+
 TEST(PathWalk, ScattersAsASceneIsWalkedByHand) {
     Walker walker(Objects()
                       .Attribute("Material 'dielectric' Translate 0 0 4", Objects().Sphere(1))

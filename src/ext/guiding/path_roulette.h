@@ -278,6 +278,7 @@ class PathRoulette {
         }
         tree_.Begin(0);
         cells_.clear();
+        tiles_.clear();
         if (!(sum > 0)) return;
         const double mean = sum / known;
         const double perPixel = known / (double(size.x) * size.y);

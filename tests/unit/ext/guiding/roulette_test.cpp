@@ -117,6 +117,14 @@ TEST(PathRoulette, HasNoEstimatesWithoutContributions) {
         LearnedRoulette([](const Point3 &, Float) { return 0.f; }, [](Point2i) { return 0.f; }).HasEstimates());
 }
 
+TEST(PathRoulette, AnUpdateWithoutContributionsDiscardsEarlierEstimates) {
+    PathRoulette roulette = LearnedRoulette([](const Point3 &, Float) { return 1.f; }, EvenImage);
+    roulette.BeginRecords(kPaths, kVertices);
+    roulette.Learn({kSide, kSide}, PixelOf);
+    EXPECT_FALSE(roulette.HasEstimates());
+    EXPECT_EQ(roulette.Validate(), std::nullopt) << "a checkpoint could not be resumed";
+}
+
 TEST(PathRoulette, SidesAndGlossyPlacesAreApart) {
     std::vector<uint32_t> kinds{PathRoulette::kInMedium};
     for (const Vector3 &n : {Vector3(1, 0, 0), Vector3(0, 1, 0), Vector3(0, 0, 1)})

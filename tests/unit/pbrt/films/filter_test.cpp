@@ -169,7 +169,7 @@ TEST(Filter, KnownValues) {
     EXPECT_NEAR(sinc->Evaluate({0.5f, 0}), 0.6366198 * 0.9549297, 1e-5);
     // Narrower than a cell of the table.
     EXPECT_NEAR(MakeFilter("gaussian", {{"sigma", 0.01f}})->Integral(), 1, 1e-3);
-    EXPECT_NEAR(MakeFilter("mitchell", {{"xradius", 0.02f}, {"yradius", 0.02f}})->Integral() * 1e4, 1, 1e-3);
+    EXPECT_NEAR(double(MakeFilter("mitchell", {{"xradius", 0.02f}, {"yradius", 0.02f}})->Integral()) * 1e4, 1, 1e-3);
 }
 
 TEST(Filter, BadParametersAreErrors) {

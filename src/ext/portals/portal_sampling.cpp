@@ -189,10 +189,8 @@ void PortalSampling::Find(PrepareContext &context, std::span<const PrepassVertex
         seenShare_ = double(left) / double(std::max<size_t>(rays.size(), 1));
         return context.progress.Cancelled() || seenShare_ > share;
     };
-    // More rays that leave the scene than the search looks at would not help it.
-    const auto enough = [&] { return size_t(1.5 * kMaxSearchedRays / (kRaysPerLight * std::max(seenShare_, 0.01))); };
     if (!isSeenMoreThan(2 * kMaxSeen, kFewVertices, kFewRays) &&
-        !isSeenMoreThan(kMaxSeen, std::min(kSearchVertices, enough()), kSearchRays)) {
+        !isSeenMoreThan(kMaxSeen, kSearchVertices, kSearchRays)) {
         rays = FromIndoors(rays);
         std::vector<Normal3> normals;
         for (const PrepassVertex &vertex : vertices) normals.push_back(vertex.at.n);

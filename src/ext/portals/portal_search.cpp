@@ -13,6 +13,7 @@ namespace ext {
 namespace {
 
 constexpr size_t kMaxPortals = 8;
+constexpr size_t kMaxRays = 2048;  ///< maximum rays of either kind
 constexpr double kBlocked = 0.25;  ///< weight of a blocked ray relative to one that leaves
 constexpr int kMaxCells = 48, kMinCells = 8, kSteps = 48, kFineSteps = 8;
 constexpr size_t kMinRays = 12;          ///< minimum rays per portal
@@ -326,11 +327,11 @@ bool LiesIn(const Portal &portal, const Portal &other) {
 }  // namespace
 
 std::vector<Portal> FindPortals(std::span<const EnvironmentRay> rays, std::span<const Normal3> normals) {
-    std::vector<Line> lines;  // at most kMaxSearchedRays of each kind
+    std::vector<Line> lines;  // at most kMaxRays of each kind
     size_t count[2] = {0, 0}, seen[2] = {0, 0};
     for (const EnvironmentRay &ray : rays) ++count[ray.left];
     for (const EnvironmentRay &ray : rays) {
-        const size_t n = count[ray.left], taken = std::min(n, kMaxSearchedRays), i = seen[ray.left]++;
+        const size_t n = count[ray.left], taken = std::min(n, kMaxRays), i = seen[ray.left]++;
         if (i * taken / n != (i + 1) * taken / n) lines.push_back({ray.p, ray.d, ray.left, double(n) / double(taken)});
     }
     double left = 0;

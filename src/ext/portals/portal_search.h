@@ -14,8 +14,6 @@ struct EnvironmentRay {
     bool left;
 };
 
-constexpr size_t kMaxSearchedRays = 2048;  ///< FindPortals uses at most so many rays that left the scene, and others
-
 /// Detects a few rectangles (windows, doors, porch openings) that nearly all rays pass which leave the scene. `rays`:
 /// all, also those that did not leave; `normals`: of surfaces all over the scene.
 ///

@@ -14,7 +14,7 @@ namespace ext {
 namespace {
 
 constexpr int kGroup = 8;  ///< samples of a pixel, twice
-constexpr double kShare = 0.01, kMaxShare = 0.03;
+constexpr double kShare = 0.015, kMaxShare = 0.03;
 constexpr double kMinPixels = 256, kMaxPixels = 4096;
 constexpr uint64_t kTrialStream = 0x747269616c;
 

@@ -19,7 +19,7 @@ struct TrialPixel {
 bool CanTrace(const PrepareContext &context);
 
 /// Trial of the light sampler in its present state; CanTrace must hold. Traces two groups of samples of pixels in a
-/// regular pattern, about 1 % of the render's samples. Observers and the film do not get them, and the statistics do
+/// regular pattern, about 1.5 % of the render's samples. Observers and the film do not get them, and the statistics do
 /// not count them. The result depends on neither threads nor processes, and is empty if cancelled. Same random numbers
 /// at every call. One Progress phase, "trial".
 std::vector<TrialPixel> TraceTrial(const PrepareContext &context);

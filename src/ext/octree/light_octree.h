@@ -89,11 +89,9 @@ class LightOctreeBuilder {
         auto sumOf = [&](size_t node) { return std::span<double>(sums.data() + placeOf(node) * groups, groups); };
         auto isLeaf = [&](size_t node) { return isLeaf_[node] != 0; };
 
-        ParallelFor(int64_t(nodeCount), 64, [&](int64_t begin, int64_t end) {
-            for (auto node = size_t(begin); node < size_t(end); ++node)
-                if (isLeaf(node))
-                    for (uint32_t i = rangeOf_[node].begin; i < rangeOf_[node].end; ++i)
-                        addValues(order_[i], sumOf(node));
+        ParallelForEach(int64_t(nodeCount), 64, [&](int64_t node) {
+            if (!isLeaf(node)) return;
+            for (uint32_t i = rangeOf_[node].begin; i < rangeOf_[node].end; ++i) addValues(order_[i], sumOf(node));
         });
         // Children follow their parents, so one backward pass adds every node to its parent, the top cells to the root.
         for (size_t node = nodeCount; node-- > 0;) {

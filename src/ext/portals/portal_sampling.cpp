@@ -231,28 +231,25 @@ bool PortalSampling::EndTrial(const TrialRatio &result) {
 
 bool PortalSampling::Learn(PrepareContext &context, std::span<const PrepassVertex> vertices) {
     std::vector<std::vector<ShadowRay>> traced(vertices.size());
-    ParallelFor(int64_t(vertices.size()), 64, [&](int64_t begin, int64_t end) {
-        for (auto v = size_t(begin); v < size_t(end); ++v) {
-            const PrepassVertex &vertex = vertices[v];
-            const LightQuery query = QueryAt(vertex);
-            Rng rng(Hash(kStream, context.seed, v));
-            Float sum = 0, g[kMaxRegions];
-            // One shadow ray to each region of each light.
-            for (size_t k = 0; k < Count(); ++k) {
-                const Environment &e = environments_[k];
-                Evaluate(query, e, g);
-                for (size_t i = 0; i < RegionCount(); ++i) {
-                    const Point2 u = rng.Uniform2();
-                    if (!(g[i] > 0)) continue;
-                    sum += g[i];
-                    const LightComponent region = lights_.Region(e.id, RegionOf(e, i));
-                    const auto ratio = Float(VisibleContribution(context.scene, vertex, region, u) / double(g[i]));
-                    traced[v].push_back(
-                        {uint32_t(k * RegionCount() + i), g[i], g[i], std::isfinite(ratio) ? ratio : 0});
-                }
+    ParallelForEach(int64_t(vertices.size()), 64, [&](int64_t v) {
+        const PrepassVertex &vertex = vertices[v];
+        const LightQuery query = QueryAt(vertex);
+        Rng rng(Hash(kStream, context.seed, v));
+        Float sum = 0, g[kMaxRegions];
+        // One shadow ray to each region of each light.
+        for (size_t k = 0; k < Count(); ++k) {
+            const Environment &e = environments_[k];
+            Evaluate(query, e, g);
+            for (size_t i = 0; i < RegionCount(); ++i) {
+                const Point2 u = rng.Uniform2();
+                if (!(g[i] > 0)) continue;
+                sum += g[i];
+                const LightComponent region = lights_.Region(e.id, RegionOf(e, i));
+                const auto ratio = Float(VisibleContribution(context.scene, vertex, region, u) / double(g[i]));
+                traced[v].push_back({uint32_t(k * RegionCount() + i), g[i], g[i], std::isfinite(ratio) ? ratio : 0});
             }
-            for (ShadowRay &ray : traced[v]) ray.share = ray.weight = ray.share / sum;
         }
+        for (ShadowRay &ray : traced[v]) ray.share = ray.weight = ray.share / sum;
     });
     VisibilityRecords records;
     for (size_t v = 0; v < vertices.size(); ++v) {

@@ -264,23 +264,21 @@ Portal Refined(const Scene &scene, const Portal &portal, std::span<const Prepass
 
     std::vector<Point2> passed(kRefiningRays);
     std::vector<char> left(kRefiningRays, 0);
-    ParallelFor(kRefiningRays, 256, [&](int64_t begin, int64_t end) {
-        for (auto i = size_t(begin); i < size_t(end); ++i) {
-            Rng rng(Hash(seed, uint64_t{i}));
-            const auto v = size_t(rng.Uniform() * Float(vertices.size()));
-            const PrepassVertex &vertex = vertices[std::min(v, vertices.size() - 1)];
-            const Point2 at = low + rng.Uniform2() * (high - low);
-            const Vector3 to = frame.FromLocal({at.x, at.y, portal.low.z}) - vertex.at.p;
-            if (!(Dot(to, frame.z) > 0)) continue;
-            if (vertex.at.ns != Normal3(0) && !vertex.transmits &&
-                !(Dot(to, vertex.at.ns) * Dot(vertex.wo, vertex.at.ns) > 0))
-                continue;
-            LightLiSample s;
-            s.wi = Normalize(to);
-            s.pLight = vertex.at.p + s.wi * diameter;
-            passed[i] = at;
-            left[i] = !scene.Occluded(vertex.at, s);
-        }
+    ParallelForEach(kRefiningRays, 256, [&](int64_t i) {
+        Rng rng(Hash(seed, i));
+        const auto v = size_t(rng.Uniform() * Float(vertices.size()));
+        const PrepassVertex &vertex = vertices[std::min(v, vertices.size() - 1)];
+        const Point2 at = low + rng.Uniform2() * (high - low);
+        const Vector3 to = frame.FromLocal({at.x, at.y, portal.low.z}) - vertex.at.p;
+        if (!(Dot(to, frame.z) > 0)) return;
+        if (vertex.at.ns != Normal3(0) && !vertex.transmits &&
+            !(Dot(to, vertex.at.ns) * Dot(vertex.wo, vertex.at.ns) > 0))
+            return;
+        LightLiSample s;
+        s.wi = Normalize(to);
+        s.pLight = vertex.at.p + s.wi * diameter;
+        passed[i] = at;
+        left[i] = !scene.Occluded(vertex.at, s);
     });
 
     // Cells connected with the portal that rays pass.
@@ -340,10 +338,8 @@ std::vector<Portal> FindPortals(std::span<const EnvironmentRay> rays, std::span<
     std::vector<Portal> portals;
     while (portals.size() < kMaxPortals && !lines.empty()) {
         std::vector<Planes::Plane> best(facings.size());
-        ParallelFor(int64_t(facings.size()), 1, [&](int64_t begin, int64_t end) {
-            for (auto i = size_t(begin); i < size_t(end); ++i)
-                best[i] = Planes(FrameOf(facings[i], facings), lines).Best();
-        });
+        ParallelForEach(int64_t(facings.size()),
+                        [&](int64_t i) { best[i] = Planes(FrameOf(facings[i], facings), lines).Best(); });
         const auto most = std::ranges::max_element(best, {}, &Planes::Plane::gain);
         if (!(most->gain > kSmallestShare * left)) break;
         const Planes planes(FrameOf(facings[size_t(most - best.begin())], facings), lines);

@@ -147,31 +147,29 @@ class VisibilityTreeBuilder {
             sums.shrink_to_fit();
         };
         const bool all = settings_.lights == nullptr;
-        ParallelFor(nodes_.size(), 16, [&](int64_t first, int64_t last) {
-            for (int64_t n = first; n < last; ++n) {
-                if (Stopped()) return;
-                Node &node = nodes_[n];
-                node.sums.clear();
-                if (node.firstChild != 0) continue;
-                if (all) node.sums.resize(settings_.lightCount);
-                for (uint32_t i = node.begin; i < node.end; ++i) {
-                    if (half != kAllRecords && HalfOf(order_[i]) != half) continue;
-                    const VisibilityRecord &record = records_[order_[i]];
-                    for (uint32_t t = record.firstRay; t < record.firstRay + record.rayCount; ++t) {
-                        const ShadowRay &v = rays_[t];
-                        const auto w = double(v.weight), r = double(v.ratio);
-                        const ShadowRaySums s{NameOf(v.light), w * (settings_.secondMoment ? r * r : r), w, w * w};
-                        if (all) {
-                            node.sums[v.light].light = v.light;
-                            node.sums[v.light] += s;
-                        } else {
-                            node.sums.push_back(s);
-                        }
+        ParallelForEach(nodes_.size(), 16, [&](int64_t n) {
+            if (Stopped()) return;
+            Node &node = nodes_[n];
+            node.sums.clear();
+            if (node.firstChild != 0) return;
+            if (all) node.sums.resize(settings_.lightCount);
+            for (uint32_t i = node.begin; i < node.end; ++i) {
+                if (half != kAllRecords && HalfOf(order_[i]) != half) continue;
+                const VisibilityRecord &record = records_[order_[i]];
+                for (uint32_t t = record.firstRay; t < record.firstRay + record.rayCount; ++t) {
+                    const ShadowRay &v = rays_[t];
+                    const auto w = double(v.weight), r = double(v.ratio);
+                    const ShadowRaySums s{NameOf(v.light), w * (settings_.secondMoment ? r * r : r), w, w * w};
+                    if (all) {
+                        node.sums[v.light].light = v.light;
+                        node.sums[v.light] += s;
+                    } else {
+                        node.sums.push_back(s);
                     }
                 }
-                if (all) std::erase_if(node.sums, [](const ShadowRaySums &s) { return !(s.w > 0); });
-                else compress(node.sums);
             }
+            if (all) std::erase_if(node.sums, [](const ShadowRaySums &s) { return !(s.w > 0); });
+            else compress(node.sums);
         });
         for (size_t n = nodes_.size(); n-- > 0 && !Stopped();) {
             Node &node = nodes_[n];
@@ -194,9 +192,9 @@ class VisibilityTreeBuilder {
         // Parents precede children, and nodes of equal depth are consecutive (breadth-first).
         for (size_t begin = 0, end = 0; begin < nodes_.size(); begin = end) {
             while (end < nodes_.size() && nodes_[end].depth == nodes_[begin].depth) ++end;
-            ParallelFor(end - begin, 8, [&](int64_t first, int64_t last) {
-                for (size_t n = begin + first, stop = begin + last; n < stop && !Stopped(); ++n)
-                    EstimateNode(nodes_[n], n == 0 ? nullptr : &nodes_[nodes_[n].parent]);
+            ParallelForEach(end - begin, 8, [&](int64_t index) {
+                Node &node = nodes_[begin + index];
+                if (!Stopped()) EstimateNode(node, begin == 0 ? nullptr : &nodes_[node.parent]);
             });
         }
     }

@@ -59,9 +59,8 @@ std::vector<double> RelativeErrors(const Halves &halves) {
     const Point2i size = halves.all.Resolution();
     std::vector<glm::dvec3> squares(size_t(size.x) * size.y), smaller(squares.size());
     const auto forRows = [&](auto &&f) {
-        ParallelFor(size.y, 8, [&](int64_t begin, int64_t end) {
-            for (int y = int(begin); y < int(end); ++y)
-                for (int x = 0; x < size.x; ++x) f(Point2i(x, y), size_t(y) * size.x + x);
+        ParallelForEach(size.y, 8, [&](int64_t y) {
+            for (int x = 0; x < size.x; ++x) f(Point2i(x, int(y)), size_t(y) * size.x + x);
         });
     };
     forRows([&](Point2i p, size_t i) {

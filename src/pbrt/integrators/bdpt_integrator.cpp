@@ -59,13 +59,11 @@ bool BdptIntegrator::PassMedium(PathWalk &walk, Subpath &path, const Sample &sam
     const Medium *medium = walk.MediumAhead();
     if (!medium) return true;
     const Ray &ray = walk.GetRay();
-    const Float u = path.sampler.Get1D();
-    Rng rng = NumbersAlong(ray, u);
     // As in volpath, the last ray of a path reaches lights but not medium emission.
     const bool emits = path.mode == TransportMode::Radiance && path.count <= maxDepth_;
     path.weights.onlyFirst = sample.lambda.SecondaryTerminated();
     const MediumEvent event = walk.ThroughMedium(
-        sample.lambda, u, rng, emits, path.weights, [&](const SampledSpectrum &radiance, Float mean) {
+        sample.lambda, path.sampler, emits, path.weights, [&](const SampledSpectrum &radiance, Float mean) {
             path.L += radiance;
             path.ofFirst += radiance[0] * mean;
             if (strategies_) sample.paths.contributions.push_back({0, path.count + 1, radiance, radiance, {}, mean});
@@ -234,13 +232,9 @@ Float BdptIntegrator::WeightOf(Sample &sample, int lightVertices, int cameraVert
 
 ShadowTransmittance BdptIntegrator::Passing(const Sample &sample, const BdptVertex &from,
                                             const LightLiSample &to) const {
-    if (hasMedia_) {
-        Rng rng(Hash(from.Position(), to.wi, to.pLight));
-        return TraceShadow(context_.scene, from.Context(), from.MediumTowards(to.wi), to, sample.lambda, rng);
-    }
-    ShadowTransmittance through;
-    if (!context_.scene.Occluded(from.Context(), to)) through.value = SampledSpectrum(1);
-    return through;
+    if (!hasMedia_) return TraceShadowRay(context_.scene, from.Context(), to);
+    Rng rng(Hash(from.Position(), to.wi, to.pLight));
+    return TraceShadow(context_.scene, from.Context(), from.MediumTowards(to.wi), to, sample.lambda, rng);
 }
 
 SampledSpectrum BdptIntegrator::Passed(const Sample &sample, const SampledSpectrum &L,
@@ -318,9 +312,7 @@ void BdptIntegrator::ConnectToCamera(Sample &sample, int lightVertices, std::vec
     const SampledSpectrum L = last.beta * last.F(connection->wi, TransportMode::Importance) *
                               (last.CosineOfLight(connection->wi) * connection->weight * sample.splatUnit);
     if (!L) return;
-    LightLiSample lens;
-    lens.wi = connection->wi;
-    lens.pLight = connection->p;
+    const LightLiSample lens{.L = {}, .wi = connection->wi, .pLight = connection->p};
     const ShadowTransmittance through = Passing(sample, last, lens);
     if (!through.value) return;
     // These connections come last: the camera path's camera vertex is not needed afterwards.

@@ -155,11 +155,9 @@ class CameraPath {
 
     Passed PassMedium(const Medium &medium) {
         const Ray &ray = walk_.GetRay();
-        const Float u = sampler_.Get1D();
-        Rng rng = NumbersAlong(ray, u);
         // Medium emission before the last vertex is excluded, as in stock pbrt-v4.
         const bool emits = depth_ < settings_.maxDepth && !settings_.sampledLightOnly;
-        const MediumEvent event = walk_.ThroughMedium(lambda_, u, rng, emits, throughput_,
+        const MediumEvent event = walk_.ThroughMedium(lambda_, sampler_, emits, throughput_,
                                                       [&](const SampledSpectrum &radiance, Float) { L_ += radiance; });
         if (event.kind == MediumEvent::Kind::Absorbed || !throughput_.beta) return Passed::Ended;
         if (event.kind == MediumEvent::Kind::Passed) return Passed::Through;

@@ -72,10 +72,8 @@ class LightPathIntegrator final : public PixelIntegrator {
         void Follow(const Ray &ray) {
             PathWalk walk(context_, ray);
             const auto track = [&] {
-                if (!hasMedia_) return MediumEvent{};
-                const Float u = sampler_.Get1D();
-                Rng rng = NumbersAlong(walk.GetRay(), u);
-                return walk.ThroughMedium(lambda_, u, rng, false, weights_, [](auto &&, Float) {});
+                return hasMedia_ ? walk.ThroughMedium(lambda_, sampler_, false, weights_, [](auto &&, Float) {})
+                                 : MediumEvent{};
             };
             for (int depth = 0;; ++depth) {
                 const std::optional<ReachedVertex> reached =

@@ -155,9 +155,7 @@ class SimpleVolPathIntegrator final : public PixelIntegrator {
         SampledSpectrum L(0);
         ++ThreadCounters().cameraPaths;
         const auto track = [&] {
-            const Float u = sampler.Get1D();
-            Rng rng = NumbersAlong(walk.GetRay(), u);
-            return walk.ThroughMedium(lambda, u, rng, true, weights,
+            return walk.ThroughMedium(lambda, sampler, true, weights,
                                       [&](const SampledSpectrum &radiance, Float) { L += radiance; });
         };
         const auto arrive = [&](PathWalk::Met) {

@@ -36,10 +36,6 @@ struct MediumEvent {
     Float t = 0;  ///< distance of the scattering event
 };
 
-/// RNG for everything along a ray through a medium except the first distance, which `u` determines. Seeded by a hash of
-/// the ray: sampler dimensions cost more time and are no better here.
-inline Rng NumbersAlong(const Ray &ray, Float u) { return Rng(Hash(ray.o, ray.d, u)); }
-
 /// Delta tracking along a ray through a medium; updates the path's weights. `emits`: calls emit(radiance, mean) for
 /// emission on the way, divided by `mean`, the mean of its densities. `u`: uniform, for the first distance; `rng` for
 /// the rest.

@@ -52,7 +52,7 @@ std::optional<ReachedVertex> PathWalk::NextVertex(SampledWavelengths &lambda, Sp
 
 MediumEvent PathWalk::ThroughMedium(const SampledWavelengths &lambda, Rng &rng, SpectralWeights &weights) const {
     const Float u = rng.Uniform();
-    return ThroughMedium(lambda, u, rng, false, weights, [](const SampledSpectrum &, Float) {});
+    return TrackMedium(MediumOnRayAhead(lambda), u, rng, false, weights, [](const SampledSpectrum &, Float) {});
 }
 
 void PathWalk::RecordVisible(const SampledWavelengths &lambda) const {

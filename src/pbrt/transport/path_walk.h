@@ -82,10 +82,13 @@ class PathWalk {
     void Leave(const Vector3 &wi);
     /// Medium between the previous vertex and the hit of Next; null: vacuum.
     const Medium *MediumAhead() const { return context_.scene.MediumAt(ray_.medium); }
-    MediumEvent ThroughMedium(const SampledWavelengths &lambda, Float u, Rng &rng, bool emits, SpectralWeights &weights,
+    /// TrackMedium up to the hit of Next. The sampler gives the number of the first distance; it and the ray seed those
+    /// of all others along the ray: sampler dimensions cost more time and are no better here.
+    MediumEvent ThroughMedium(const SampledWavelengths &lambda, Sampler &sampler, bool emits, SpectralWeights &weights,
                               auto &&emit) const {
-        return TrackMedium(MediumAhead()->On(ray_, left_ ? Infinity : vertex_.point.t, lambda), u, rng, emits, weights,
-                           emit);
+        const Float u = sampler.Get1D();
+        Rng rng(Hash(ray_.o, ray_.d, u));
+        return TrackMedium(MediumOnRayAhead(lambda), u, rng, emits, weights, emit);
     }
     /// The same without emission; all numbers are of `rng`.
     MediumEvent ThroughMedium(const SampledWavelengths &lambda, Rng &rng, SpectralWeights &weights) const;
@@ -105,6 +108,9 @@ class PathWalk {
     const Ray &GetRay() const { return ray_; }
 
   private:
+    MediumOnRay MediumOnRayAhead(const SampledWavelengths &lambda) const {
+        return MediumAhead()->On(ray_, left_ ? Infinity : vertex_.point.t, lambda);
+    }
     void FindFootprint();
     void RecordVisible(const SampledWavelengths &lambda) const;
 

@@ -78,7 +78,7 @@ void ExpectToGoOnBitByBit(bool fog, std::initializer_list<int> stops) {
         PartRender first(Spot(true, "bvh", fog), kSamples);
         first.RenderUntil(stop);
         StateWriter writer;
-        first.built.integrator->SaveLearned(writer);
+        first.built.integrator->SaveLearned(writer, true);
         const std::string state = writer.Joined();
         StateReader reader(state, "state");
         PartRender second(Spot(true, "bvh", fog), kSamples, &reader), third(Spot(true, "bvh", fog), kSamples);

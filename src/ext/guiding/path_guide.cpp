@@ -30,7 +30,7 @@ constexpr Float kInspectedWeight = 0.5f;  ///< throughput at which PathGuide::In
 /// thousandth of the scene). kSameDirection: distance of unit directions.
 constexpr Float kSameDistance = 1e-4f, kSameDirection = 0.02f;
 
-constexpr uint32_t kVersion = 13;  ///< incremented whenever the output of PathGuide::Save or SaveForOthers changes
+constexpr uint32_t kVersion = 13;  ///< incremented whenever the output of PathGuide::SaveLearned changes
 
 }  // namespace
 
@@ -86,13 +86,12 @@ SampledSpectrum PathGuide::Li(const CameraPathSetup &setup, const CameraPathStar
     return CameraPath<SurfaceThroughput, GuidedDirections>(setup, start, lambda, sampler, directions).Follow();
 }
 
-void PathGuide::Save(StateWriter &out) const {
+void PathGuide::SaveLearned(StateWriter &out, bool withLearning) const {
+    if (!withLearning) return out(kVersion, EffectiveParamsText(params_), view_, *this);
     out(kVersion, first_, next_, *this);
     records_.Save(out);
     roulette_.SaveRecords(out);
 }
-
-void PathGuide::SaveForOthers(StateWriter &out) const { out(kVersion, EffectiveParamsText(params_), view_, *this); }
 
 void PathGuide::LoadOfOther(StateReader &in) {
     GuideParams withDirections = params_;

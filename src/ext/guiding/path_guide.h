@@ -81,10 +81,7 @@ class PathGuide final : public DirectionSampling {
         return estimatesDirections_ || cells_.Cells() == 0 ? std::nullopt
                                                            : std::optional("it has directions, which are off");
     }
-    /// Saves estimates and records for a checkpoint, excluding the light sampler's.
-    void Save(StateWriter &out) const override;
-    /// Saves estimates for other renders, whose camera or resolution may differ; those do not learn further.
-    void SaveForOthers(StateWriter &out) const override;
+    void SaveLearned(StateWriter &out, bool withLearning) const override;
     /// Cells, guided cells, saved share of the path cost, memory of estimates and (maximum) records, update time.
     void Report(nlohmann::ordered_json &json) const override;
 

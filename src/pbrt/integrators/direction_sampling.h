@@ -16,10 +16,9 @@ class DirectionSampling : public OnlineModel {
     /// Radiance along a camera ray, by CameraPath with its own directions.
     virtual SampledSpectrum Li(const CameraPathSetup &setup, const CameraPathStart &start, SampledWavelengths &lambda,
                                Sampler &sampler) = 0;
-    /// Saves model and records for a checkpoint, excluding the light sampler's.
-    virtual void Save(StateWriter &out) const = 0;
-    /// Saves the model for other renders, whose camera or resolution may differ; those do not update it.
-    virtual void SaveForOthers(StateWriter &out) const = 0;
+    /// Saves model and records for a checkpoint, excluding the light sampler's. Without `withLearning`: the model for
+    /// other renders, whose camera or resolution may differ; those do not update it.
+    virtual void SaveLearned(StateWriter &out, bool withLearning) const = 0;
     /// Sizes, times and gain, for --stats and image metadata.
     virtual void Report(nlohmann::ordered_json &json) const = 0;
     /// Model state at a vertex of a path of `pixel`, for visualization.

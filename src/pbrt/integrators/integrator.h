@@ -70,14 +70,11 @@ class Integrator {
     virtual int MaxPassSamples() const { return std::numeric_limits<int>::max(); }
     /// Model updated between passes; may be null.
     virtual OnlineModel *Model() { return nullptr; }
-    /// Writes the state of Prepare and the model, for PrepareContext::learned of a resumed render. Not while rays are
-    /// traced; the writer may refer to memory of this object.
-    virtual void SaveLearned(StateWriter &writer) const {
-        if (const LightSampler *lights = Lights()) lights->SaveLearned(writer, true);
-    }
-    /// Writes the state for other renders under the same lights, for PrepareContext::learned with `learnsOn` false.
-    virtual void SaveForOthers(StateWriter &writer) const {
-        if (const LightSampler *lights = Lights()) lights->SaveLearned(writer, false);
+    /// Writes the state of Prepare and the model, for PrepareContext::learned: of a resumed render, or without
+    /// `withLearning` of other renders under the same lights (`learnsOn` false). Not while rays are traced; the writer
+    /// may refer to memory of this object.
+    virtual void SaveLearned(StateWriter &writer, bool withLearning) const {
+        if (const LightSampler *lights = Lights()) lights->SaveLearned(writer, withLearning);
     }
     virtual const LightSampler *Lights() const { return nullptr; }
     /// Light sampler of light path emission; null if none.

@@ -19,13 +19,9 @@ class PathIntegrator final : public PixelIntegrator {
     SampledSpectrum Li(const PathStart &start, SampledWavelengths &lambda, Sampler &sampler) const override;
     void Prepare(PrepareContext &prepare) override;
     OnlineModel *Model() override { return models_.IsEmpty() ? nullptr : &models_; }
-    void SaveLearned(StateWriter &writer) const override {
-        lights_->SaveLearned(writer, true);
-        if (directions_) directions_->Save(writer);
-    }
-    void SaveForOthers(StateWriter &writer) const override {
-        lights_->SaveLearned(writer, false);
-        if (directions_) directions_->SaveForOthers(writer);
+    void SaveLearned(StateWriter &writer, bool withLearning) const override {
+        lights_->SaveLearned(writer, withLearning);
+        if (directions_) directions_->SaveLearned(writer, withLearning);
     }
     const LightSampler *Lights() const override { return lights_.get(); }
     const DirectionSampling *Directions() const override { return directions_.get(); }

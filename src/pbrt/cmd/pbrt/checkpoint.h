@@ -98,7 +98,7 @@ class Checkpoint {
         RenderFileHead written = head_;
         if (isEndOpen_) written.end = 0;
         StateWriter learned;
-        built.integrator->SaveLearned(learned);
+        built.integrator->SaveLearned(learned, true);
         failure_.clear();
         try {
             std::optional<AdaptiveState> adaptive;

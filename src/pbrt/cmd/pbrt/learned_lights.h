@@ -60,7 +60,7 @@ class LearnedLights {
     /// Writes the records after the render. Throws UserError.
     void Save(const BuiltScene &built) const {
         StateWriter identity, learned;
-        built.integrator->SaveForOthers(learned);
+        built.integrator->SaveLearned(learned, false);
         identity.Structure(Json(IdentityOf(built)).dump());
         identity.Value(learned.Bytes());
         WriteStateFile(savePath_, kKind, {{"identity", &identity}, {"learned", &learned}});

@@ -382,7 +382,7 @@ TEST(PathGuide, ASavedStateIsLoadedBitByBitAndADamagedOneThrows) {
     };
     const auto bytesOf = [](const PathGuide &guide) {
         StateWriter writer;
-        guide.Save(writer);
+        guide.SaveLearned(writer, true);
         return writer.Joined();
     };
     const Learned lobe(Lobe, false), gaveUp(Even, false, false, Directions(true));
@@ -405,7 +405,7 @@ TEST(PathGuide, WhatItLearnedIsOfUseToOtherRenders) {
     GuideParams params = Directions(true);
     const Learned lobe(Lobe, false, false, params);
     StateWriter writer;
-    lobe.guide.SaveForOthers(writer);
+    lobe.guide.SaveLearned(writer, false);
     const std::string bytes = writer.Joined();
     Progress progress;
     const auto load = [&](PathGuide &guide, const std::string &state, const std::string &camera = "") {
@@ -421,7 +421,7 @@ TEST(PathGuide, WhatItLearnedIsOfUseToOtherRenders) {
     PathGuide other(params), elsewhere(params);
     load(other, bytes);
     StateWriter again;
-    other.SaveForOthers(again);
+    other.SaveLearned(again, false);
     EXPECT_EQ(again.Joined(), bytes);
     EXPECT_TRUE(other.Cells().Guide());
     EXPECT_EQ(other.PixelImportance({7, 5}), lobe.guide.PixelImportance({7, 5}));

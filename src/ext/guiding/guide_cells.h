@@ -64,13 +64,12 @@ class GuideDirections {
     /// that scatters light; `bothSides`: both sides do.
     void Prepare(const SourceClusters &clusters, const PerSourceCluster &radiances, const Point3 &p, const Vector3 &n,
                  bool bothSides);
-    bool IsUsable() const { return isUsable_; }  ///< false if all densities are 0
+    bool IsUsable() const { return end_ > 0; }  ///< false if all densities are 0
     /// Samples a direction, possibly below the surface.
     Vector3 Sample(const Point2 &u) const;
     Float Pdf(const Vector3 &w) const;  ///< density (solid angle); 0 if not usable
 
   private:
-    bool isUsable_ = false;
     size_t end_ = 0;                          ///< past the last cone, a multiple of the SIMD width; 0 if not usable
     Float total_ = 0, perTotal_ = 0;          ///< sum of weightOfCone_; its reciprocal, or 0 if not usable
     alignas(64) PerSourceCluster x_, y_, z_;  ///< cone axes (unit)

@@ -260,9 +260,8 @@ void GuideDirections::Prepare(const SourceClusters &made, const PerSourceCluster
     }
     Store(sum, laneSums_.data());
     total_ = Ops::Sum(sum);
-    isUsable_ = total_ > 0 && std::isfinite(total_);
-    end_ = isUsable_ ? used * kLanes : 0;
-    perTotal_ = isUsable_ ? 1 / total_ : 0;
+    end_ = total_ > 0 && std::isfinite(total_) ? used * kLanes : 0;
+    perTotal_ = IsUsable() ? 1 / total_ : 0;
 }
 
 Vector3 GuideDirections::Sample(const Point2 &u) const {

@@ -1,4 +1,4 @@
-#include "ext/lab/pictures.h"
+#include "ext/lab/results.h"
 
 #include <fmt/format.h>
 

@@ -135,9 +135,8 @@ LightTree::LightTree(std::span<const Emitter> emitters) : position_(emitters.siz
 }
 
 Float LightTree::EvaluateFarNode(uint32_t node, const LightQuery &query) const {
-    const size_t near = order_.size() - far_.size();
     Float sum = 0;
-    for (uint32_t i = ranges_[node].begin; i < ranges_[node].end; ++i) sum += EvaluateFar(far_[i - near], query);
+    for (uint32_t i = ranges_[node].begin; i < ranges_[node].end; ++i) sum += EvaluateFar(FarAt(i), query);
     return sum;
 }
 
@@ -183,11 +182,9 @@ std::optional<SampledLight> LightTree::SampleWithin(uint32_t node, const LightQu
     if (!end) return {};
     const Range range = ranges_[end->node];
     if (range.Size() == 1) return SampledLight{LightId(order_[range.begin]), end->pmf, end->weight};
-    const size_t near = order_.size() - far_.size();
     const Float sum = EvaluateFarNode(end->node, query);
-    const auto chosen = ChooseByWeight<Float>(range.Size(), Float(end->rest) * sum, [&](uint32_t i) {
-        return EvaluateFar(far_[range.begin + i - near], query);
-    });
+    const auto chosen = ChooseByWeight<Float>(range.Size(), Float(end->rest) * sum,
+                                              [&](uint32_t i) { return EvaluateFar(FarAt(range.begin + i), query); });
     if (!chosen) return {};
     return SampledLight{LightId(order_[range.begin + chosen.index]), end->pmf * (chosen.weight / sum), chosen.weight};
 }
@@ -197,8 +194,7 @@ Float LightTree::PMFWithin(uint32_t node, const LightQuery &query, uint32_t posi
         return uint32_t(FindInCut({level.nodes, level.count}, position));
     });
     if (!(pmf > 0) || IsLight(node)) return pmf;
-    const size_t near = order_.size() - far_.size();
-    const Float value = EvaluateFar(far_[position - near], query);
+    const Float value = EvaluateFar(FarAt(position), query);
     return value > 0 ? pmf * (value / EvaluateFarNode(node, query)) : Float(0);
 }
 

@@ -81,6 +81,7 @@ class LightTree {
 
   private:
     class Builder;
+    const Emitter &FarAt(uint32_t position) const { return far_[position + far_.size() - order_.size()]; }
     Float EvaluateFarNode(uint32_t node, const LightQuery &query) const;
 
     std::vector<Range> ranges_;     ///< per node

@@ -274,11 +274,9 @@ Portal Refined(const Scene &scene, const Portal &portal, std::span<const Prepass
         if (vertex.at.ns != Normal3(0) && !vertex.transmits &&
             !(Dot(to, vertex.at.ns) * Dot(vertex.wo, vertex.at.ns) > 0))
             return;
-        LightLiSample s;
-        s.wi = Normalize(to);
-        s.pLight = vertex.at.p + s.wi * diameter;
+        const Vector3 wi = Normalize(to);
         passed[i] = at;
-        left[i] = !scene.Occluded(vertex.at, s);
+        left[i] = !scene.Occluded(vertex.at, {.L = {}, .wi = wi, .pLight = vertex.at.p + wi * diameter});
     });
 
     // Cells connected with the portal that rays pass.
@@ -348,8 +346,7 @@ std::vector<Portal> FindPortals(std::span<const EnvironmentRay> rays, std::span<
         if (portals.size() + found.size() > kMaxPortals) found.resize(kMaxPortals - portals.size());
         for (Portal &portal : found) portal = AtNarrowest(portal, lines);
         std::erase_if(lines, [&](const Line &line) {
-            return std::any_of(found.begin(), found.end(),
-                               [&](const Portal &portal) { return portal.IsPassed(line.p, line.d); });
+            return std::ranges::any_of(found, [&](const Portal &p) { return p.IsPassed(line.p, line.d); });
         });
         portals.insert(portals.end(), found.begin(), found.end());
     }

@@ -182,12 +182,9 @@ class VisibilityTreeBuilder {
         }
     }
     void Estimate() {
-        double wm = 0, w = 0;
-        for (const ShadowRaySums &s : nodes_[0].sums) {
-            wm += s.wm;
-            w += s.w;
-        }
-        const double mean = w > 0 && wm > 0 ? wm / w : 1;
+        ShadowRaySums all;
+        for (const ShadowRaySums &s : nodes_[0].sums) all += s;
+        const double mean = all.w > 0 && all.wm > 0 ? all.wm / all.w : 1;
         prior_ = settings_.secondMoment ? std::sqrt(mean) : mean;
         // Parents precede children, and nodes of equal depth are consecutive (breadth-first).
         for (size_t begin = 0, end = 0; begin < nodes_.size(); begin = end) {

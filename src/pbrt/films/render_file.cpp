@@ -50,11 +50,43 @@ void ForEachMember(auto &head, auto &&f) {
     f("renderSeconds", head.renderSeconds);
 }
 
+/// Floats are stored as bits, because JSON lacks infinity and full precision.
+Json ToJson(const ImageMetadata &metadata) {
+    Json json = Json::object();
+    for (const auto &[name, value] : metadata.attributes) {
+        if (const int *i = std::get_if<int>(&value)) json[name] = {{"int", *i}};
+        if (const float *f = std::get_if<float>(&value)) json[name] = {{"float", Bits(*f)}};
+        if (const std::string *s = std::get_if<std::string>(&value)) json[name] = {{"text", *s}};
+        if (const glm::mat4 *m = std::get_if<glm::mat4>(&value)) {
+            Json bits = Json::array();
+            for (int i = 0; i < 16; ++i) bits.push_back(Bits((*m)[i / 4][i % 4]));
+            json[name] = {{"matrix", bits}};
+        }
+    }
+    return json;
+}
+
+/// Attributes only.
+ImageMetadata MetadataFromJson(const Json &json) {
+    ImageMetadata metadata;
+    for (const auto &[name, value] : json.items()) {
+        if (value.contains("int")) metadata.attributes[name] = value["int"].get<int>();
+        if (value.contains("float")) metadata.attributes[name] = FloatOf(value["float"]);
+        if (value.contains("text")) metadata.attributes[name] = value["text"].get<std::string>();
+        if (value.contains("matrix")) {
+            glm::mat4 m;
+            for (size_t i = 0; i < 16; ++i) m[int(i / 4)][int(i % 4)] = FloatOf(value["matrix"].at(i));
+            metadata.attributes[name] = m;
+        }
+    }
+    return metadata;
+}
+
 Json ToJson(const RenderFileHead &h) {
     Json json;
     ForEachMember(h, [&](const char *name, const auto &member) { json[name] = member; });
     json["film"] = h.film.ToJson();
-    json["metadata"] = pbrt::ToJson(h.metadata);
+    json["metadata"] = ToJson(h.metadata);
     return json;
 }
 
@@ -142,36 +174,6 @@ FilmRecipe FilmRecipe::FromJson(const Json &json) {
         o.pixelBounds = Bounds2i{{b[0], b[1]}, {b[2], b[3]}};
     }
     return recipe;
-}
-
-Json ToJson(const ImageMetadata &metadata) {
-    Json json = Json::object();
-    for (const auto &[name, value] : metadata.attributes) {
-        if (const int *i = std::get_if<int>(&value)) json[name] = {{"int", *i}};
-        if (const float *f = std::get_if<float>(&value)) json[name] = {{"float", Bits(*f)}};
-        if (const std::string *s = std::get_if<std::string>(&value)) json[name] = {{"text", *s}};
-        if (const glm::mat4 *m = std::get_if<glm::mat4>(&value)) {
-            Json bits = Json::array();
-            for (int i = 0; i < 16; ++i) bits.push_back(Bits((*m)[i / 4][i % 4]));
-            json[name] = {{"matrix", bits}};
-        }
-    }
-    return json;
-}
-
-ImageMetadata MetadataFromJson(const Json &json) {
-    ImageMetadata metadata;
-    for (const auto &[name, value] : json.items()) {
-        if (value.contains("int")) metadata.attributes[name] = value["int"].get<int>();
-        if (value.contains("float")) metadata.attributes[name] = FloatOf(value["float"]);
-        if (value.contains("text")) metadata.attributes[name] = value["text"].get<std::string>();
-        if (value.contains("matrix")) {
-            glm::mat4 m;
-            for (size_t i = 0; i < 16; ++i) m[int(i / 4)][int(i % 4)] = FloatOf(value["matrix"].at(i));
-            metadata.attributes[name] = m;
-        }
-    }
-    return metadata;
 }
 
 std::string DifferencesOf(const RenderIdentity &mine, const RenderIdentity &other, const std::string &otherName) {

@@ -29,11 +29,6 @@ struct FilmRecipe {
     static FilmRecipe FromJson(const nlohmann::ordered_json &json);
 };
 
-/// Floats are stored as bits, because JSON lacks infinity and full precision.
-nlohmann::ordered_json ToJson(const ImageMetadata &metadata);
-/// Attributes only.
-ImageMetadata MetadataFromJson(const nlohmann::ordered_json &json);
-
 /// Everything that determines a render's samples: "program", "file NAME" with a hash, and flags such as "--maxdepth".
 using RenderIdentity = std::map<std::string, std::string>;
 

@@ -143,9 +143,7 @@ void BdptIntegrator::TraceLight(Sample &sample) const {
     Subpaths &paths = sample.paths;
     Sampler &sampler = sample.samplers.light;
     paths.lightCount = 0;
-    LightQuery anywhere;
-    anywhere.time = sample.time;
-    const std::optional<SampledLight> chosen = shooting_->Sample(anywhere, sampler.Get1D());
+    const std::optional<SampledLight> chosen = shooting_->Sample({.time = sample.time}, sampler.Get1D());
     const Point2 uPosition = sampler.Get2D(), uDirection = sampler.Get2D();
     if (!chosen || !(chosen->pmf > 0) || maxDepth_ == 0) return;
     const LightComponent light = scene.Lights()[chosen->light];

@@ -4,8 +4,7 @@ namespace pbrt {
 
 Float BdptWeights::LightPdf(const BdptVertex &light, const BdptVertex &next) const {
     const LightComponent part = lights_[light.light];
-    LightQuery anywhere;
-    const Float pmf = shooting_.PMF(anywhere, light.light);
+    const Float pmf = shooting_.PMF({}, light.light);
     if (IsDelta(part.Kind())) {
         // The position of a distant light is its direction; that of an invisible area light has a density.
         if (light.isBeyondScene || light.n == Normal3(0)) return pmf;

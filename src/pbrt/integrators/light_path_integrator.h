@@ -40,9 +40,7 @@ class LightPathIntegrator final : public PixelIntegrator {
         /// Samples the first ray and splats the light at its origin.
         std::optional<Ray> Begin() {
             const Scene &scene = context_.scene;
-            LightQuery anywhere;
-            anywhere.time = time_;
-            const std::optional<SampledLight> chosen = integrator_.lights_->Sample(anywhere, sampler_.Get1D());
+            const std::optional<SampledLight> chosen = integrator_.lights_->Sample({.time = time_}, sampler_.Get1D());
             const Point2 uPosition = sampler_.Get2D(), uDirection = sampler_.Get2D(), uFirst = sampler_.Get2D();
             if (!chosen || !(chosen->pmf > 0)) return {};
             const LightComponent light = scene.Lights()[chosen->light];
@@ -93,9 +91,7 @@ class LightPathIntegrator final : public PixelIntegrator {
             if (!connection) return;
             SampledSpectrum radiance = leaving(connection->wi) * (connection->weight * splatUnit_);
             if (!radiance) return;
-            LightLiSample lens;
-            lens.wi = connection->wi;
-            lens.pLight = connection->p;
+            const LightLiSample lens{.L = {}, .wi = connection->wi, .pLight = connection->p};
             if (hasMedia_) {
                 Rng rng(Hash(from.p, lens.wi, lens.pLight));
                 const ShadowTransmittance through =

@@ -110,9 +110,8 @@ class SppmIntegrator final : public PixelIntegrator {
             return SobolToFloat(OwenScramble(v, Hash(seed_, dimension)));
         };
         Rng rng(Hash(seed_, index));
-        LightQuery anywhere;
-        anywhere.time = glm::mix(context_.camera.ShutterOpen(), context_.camera.ShutterClose(), rng.Uniform());
-        const std::optional<SampledLight> chosen = shooting_->Sample(anywhere, number(0));
+        const Float time = glm::mix(context_.camera.ShutterOpen(), context_.camera.ShutterClose(), rng.Uniform());
+        const std::optional<SampledLight> chosen = shooting_->Sample({.time = time}, number(0));
         if (!chosen || !(chosen->pmf > 0)) return;
         const LightComponent light = scene.Lights()[chosen->light];
         const std::optional<LightLeSample> left =
@@ -121,7 +120,7 @@ class SppmIntegrator final : public PixelIntegrator {
         SampledSpectrum beta = left->L / (chosen->pmf * left->pdfPosition * left->pdfDirection);
         if (left->n != Normal3(0)) beta *= AbsDot(left->n, left->ray.d);
         Ray ray = left->ray;
-        ray.time = anywhere.time;
+        ray.time = time;
         ray.medium = scene.MediumOfLight(chosen->light, left->n, left->ray.d);
         PathWalk walk(context_, ray);
         for (int scatterings = 0; beta && walk.NextSurface(lambda);) {

@@ -138,7 +138,7 @@ class RgbGridMedium final : public Medium {
         const glm::ivec3 cells = CellsOfRgbGrid(grids_.count);
         majorants_ = MajorantGrid(cells, [&](const glm::ivec3 &cell) {
             return kMajorantSlack * grids_.scale *
-                   (HighestIn(grids_.absorption, voxels_, cell) + HighestIn(grids_.scattering, voxels_, cell));
+                   (HighestIn(grids_.absorption, cell) + HighestIn(grids_.scattering, cell));
         });
         gridFromRender_ = GridFromRender(renderFromMedium, bounds, cells);
     }
@@ -155,10 +155,9 @@ class RgbGridMedium final : public Medium {
   private:
     /// Lookups are slower than in uniformgrid, so tighter majorants pay.
     static glm::ivec3 CellsOfRgbGrid(const glm::ivec3 &voxels) { return MajorantCells(voxels, 1, 16); }
-    static Float HighestIn(const std::vector<RgbUnboundedSpectrum> &spectra, const Voxels &voxels,
-                           const glm::ivec3 &cell) {
+    Float HighestIn(const std::vector<RgbUnboundedSpectrum> &spectra, const glm::ivec3 &cell) const {
         if (spectra.empty()) return 1;
-        return voxels.MaxIn(cell, [&](size_t i) { return spectra[i].MaxValue(); });
+        return voxels_.MaxIn(cell, [&](size_t i) { return spectra[i].MaxValue(); });
     }
     MediumCoefficients Evaluate(MediumOnRay &onRay, Float t) const override {
         const Point3 p = onRay.Walk().At(t);

@@ -119,14 +119,12 @@ class LightTargets::Builder {
 };
 
 LightTargets LightTargets::Of(const Scene &scene, const VoxelGrid &grid, const LightGroups &groups) {
-    const LightTable &lights = scene.Lights();
     Builder builder(scene, grid);
-    for (uint32_t i = 0; i < lights.Size(); ++i) {
-        const LightId id(i);
-        if (i > 0 && groups.GroupOf(id) != groups.GroupOf(LightId(i - 1))) builder.FinishGroup();
-        builder.Add(id, double(groups.ShareOf(id)));
+    for (uint32_t g = 0; g < groups.Size(); ++g) {
+        for (uint32_t i = groups.FirstOf(g), end = i + groups.CountOf(g); i < end; ++i)
+            builder.Add(LightId(i), double(groups.ShareOf(LightId(i))));
+        builder.FinishGroup();
     }
-    if (lights.Size() > 0) builder.FinishGroup();
     return builder.Take();
 }
 

@@ -27,13 +27,18 @@ struct RouletteRecord {
         Float cost = 0;      ///< see PathCost; 0: not recorded
         bool IsUsable() const { return radiance >= 0 && std::isfinite(radiance * radiance); }
     };
+    static constexpr uint32_t kKinds = 13;
     Point3 p{};
     uint32_t kind = 0;      ///< PathRoulette::KindOf
     Segment here, onwards;  ///< suffix with and without light sampling at the vertex; `here` of cost 0: empty slot
 
     bool IsEmpty() const { return !(here.cost > 0); }
     /// Empty if valid, else the error. Radiance may be infinite; such records are excluded from learning.
-    std::optional<std::string> Validate() const;
+    std::optional<std::string> Validate() const {
+        if (IsEmpty() || !std::isfinite(p.x + p.y + p.z) || !std::isfinite(here.cost) || !std::isfinite(onwards.cost))
+            return "a record is not finite";
+        return kind < kKinds ? std::nullopt : std::optional("a record is of no kind");
+    }
 };
 
 struct PathTotal {
@@ -83,7 +88,7 @@ class PathRoulette {
     static uint32_t KindOf(const PathVertex &vertex) {
         return KindOf(FaceForward(vertex.point.n, vertex.point.wo), Has(vertex.bsdf.Flags(), BxdfFlags::Glossy));
     }
-    static constexpr uint32_t kInMedium = 12, kKinds = 13;
+    static constexpr uint32_t kInMedium = 12, kKinds = RouletteRecord::kKinds;
 
     bool HasEstimates() const { return !tree_.IsEmpty(); }  ///< true after Learn with enough records
     /// k sqrt(M / C) on arrival and after next-event estimation; negative: no estimate.
@@ -329,11 +334,5 @@ class PathRoulette {
     PathRecordStore<RouletteRecord> records_;
     PathRecordStore<PathTotal> totals_;
 };
-
-inline std::optional<std::string> RouletteRecord::Validate() const {
-    if (IsEmpty() || !std::isfinite(p.x + p.y + p.z) || !std::isfinite(here.cost) || !std::isfinite(onwards.cost))
-        return "a record is not finite";
-    return kind < PathRoulette::kKinds ? std::nullopt : std::optional("a record is of no kind");
-}
 
 }  // namespace ext

@@ -60,16 +60,11 @@ void ForEachPrepassPath(PrepareContext &context, const char *phase, uint64_t str
 }
 
 LightQuery QueryAt(const PrepassVertex &vertex) {
-    LightQuery query;
-    query.p = vertex.at.p;
-    query.wo = vertex.wo;
-    query.n = vertex.at.n;
-    query.ns = vertex.at.ns;
-    query.transmits = vertex.transmits;
-    query.time = vertex.at.time;
-    query.pError = vertex.at.pError;
-    if (vertex.phase) query.medium = vertex.inside;
+    const auto &[p, pError, n, ns, time] = vertex.at;
+    LightQuery query{.p = p, .wo = vertex.wo, .n = n, .ns = ns, .transmits = vertex.transmits, .time = time};
+    query.pError = pError;
     query.phase = vertex.phase;
+    if (vertex.phase) query.medium = vertex.inside;
     return query;
 }
 

@@ -81,10 +81,7 @@ class CellCut {
         size_t begin = 0, indexAbove = 0;
         const std::span<const uint32_t> roots = lights.Roots();
         for (uint32_t root : roots) {
-            const size_t end =
-                size_t(std::partition_point(sums.begin() + begin, sums.end(),
-                                            [&](const ShadowRaySums &s) { return s.light < lights.At(root).end; }) -
-                       sums.begin());
+            const size_t end = merger.Find(begin, sums.size(), lights.At(root).end);
             if (above) {
                 const NodeEstimate &estimate = above->estimates_[indexAbove];
                 merger.Add(root, begin, end, indexAbove, double(estimate.moment), 1, double(estimate.share));
@@ -152,6 +149,11 @@ class CellCut {
         std::vector<double> w = {}, w2 = {}, wm = {},
                             expected = {};  ///< running sums, one more entry; `expected`: of wm, from the parent cell
 
+        /// Index of the first of sums [begin, end) at or after a position; `end` if none.
+        size_t Find(size_t begin, size_t end, uint32_t position) const {
+            const auto some = sums.subspan(begin, end - begin);
+            return begin + (std::ranges::lower_bound(some, position, {}, &ShadowRaySums::light) - some.begin());
+        }
         void SumUp() {
             for (std::vector<double> *v : {&w, &w2, &wm, &expected}) v->assign(1, 0);
             size_t at = 0;  // index of the light in the parent cell
@@ -186,12 +188,8 @@ class CellCut {
             items.push_back(item);
             const bool isSplitAbove = indexAbove && above->IsInner(*indexAbove);
             if (lights.HasChildren(node) && (begin < end || isSplitAbove)) {
-                const uint32_t first = lights.First(node), second = lights.Second(node),
-                               border = lights.At(second).begin;
-                const auto middle =
-                    size_t(std::partition_point(sums.begin() + begin, sums.begin() + end,
-                                                [&](const ShadowRaySums &s) { return s.light < border; }) -
-                           sums.begin());
+                const uint32_t first = lights.First(node), second = lights.Second(node);
+                const size_t middle = Find(begin, end, lights.At(second).begin);
                 std::optional<size_t> a, b;
                 double shareA = double(lights.Intensity(first)), shareB = double(lights.Intensity(second));
                 double momentA = momentAbove, momentB = momentAbove;

@@ -1,5 +1,6 @@
 #pragma once
 #include <algorithm>
+#include <set>
 #include <string>
 #include <vector>
 
@@ -123,15 +124,13 @@ class AovFilm final : public Film {
     static constexpr size_t kFirstChannel = 2;  ///< in a pixel's sums
     static std::vector<size_t> IndicesOf(const std::vector<std::string> &names) {
         const std::vector<std::string> known = AovNames();
-        std::vector<size_t> indices;
+        std::set<size_t> indices;
         for (const std::string &name : names) {
             const auto found = std::find(known.begin(), known.end(), name);
             if (found == known.end()) throw UserError("--aov: \"{}\" is unknown; {}", name, ListChoices(name, known));
-            indices.push_back(found - known.begin());
+            indices.insert(found - known.begin());
         }
-        std::sort(indices.begin(), indices.end());
-        indices.erase(std::unique(indices.begin(), indices.end()), indices.end());
-        return indices;
+        return {indices.begin(), indices.end()};
     }
     /// Kind of the saved states, which includes the channels so that other sets do not match.
     static std::string KindWith(const std::string &kind, const std::vector<std::string> &names) {

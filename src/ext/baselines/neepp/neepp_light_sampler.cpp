@@ -12,11 +12,6 @@
 namespace ext {
 namespace {
 constexpr uint64_t kStream = 0x6e65657070ull;  ///< decorrelates the segments from other uses of the seed
-
-Vector3 Uniform3(Rng &rng) {
-    return {rng.Uniform(), rng.Uniform(), rng.Uniform()};  // in this order
-}
-
 constexpr int kEnvironmentSamples = 4096;
 
 /// Calls visit(point, weight) for points uniform over a primitive's area, hardly missing a voxel. Weights sum to 1.
@@ -161,10 +156,10 @@ void NeeppLightSampler::TestSegments(uint32_t voxel, std::span<uint8_t> row) con
         int freeSegments = 0;
         for (int i = 0; i < params_.samples; ++i) {
             Ray ray;
-            ray.o = grid_.PointIn(voxel, Uniform3(rng));
+            ray.o = grid_.PointIn(voxel, {rng.Uniform(), rng.Uniform(), rng.Uniform()});
             switch (target.kind) {
                 case LightTargets::Kind::Voxel:
-                    ray.d = grid_.PointIn(target.index, Uniform3(rng)) - ray.o;
+                    ray.d = grid_.PointIn(target.index, {rng.Uniform(), rng.Uniform(), rng.Uniform()}) - ray.o;
                     ray.tMax = 1;
                     break;
                 case LightTargets::Kind::Direction: ray.d = target.direction; break;

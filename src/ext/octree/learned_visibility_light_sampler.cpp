@@ -58,7 +58,7 @@ void LearnedVisibilityLightSampler::Prepare(PrepareContext &context) {
     }
     Learn(context, vertices);
     if (portals_.IsActive() && portals_.IsOnTrial()) TryPortals(context, vertices);
-    prepassSeconds_ = SecondsSince(start);
+    prepassSeconds_ = SecondsSince(start) - model_.BuildSeconds();
 }
 
 void LearnedVisibilityLightSampler::Learn(PrepareContext &context, std::span<PrepassVertex> vertices) {

@@ -38,7 +38,8 @@ class VisibilityModel final : public OnlineModel, public PathObserver {
     }
     /// Shadow rays per prepass vertex.
     size_t RaysPerVertex() const { return RaysPerRecord(groups_.Size(), params_.tries); }
-    bool IsUpdated() const { return lights_ && params_.learn; }  ///< true if the trees are rebuilt during the render
+    double BuildSeconds() const { return counts_.buildSeconds; }  ///< of Learn, without shadow rays
+    bool IsUpdated() const { return lights_ && params_.learn; }   ///< true if the trees are rebuilt during the render
 
     int NextUpdate() const override { return nextUpdate_; }
     void Update(const Progress &progress) override;

@@ -87,8 +87,8 @@ struct StateBlock {
 template <class T>
 StateBlock MakeStateBlock(const char *name, std::span<const T> sums) {
     static_assert(std::is_trivially_copyable_v<T>);
-    auto *data = const_cast<std::byte *>(reinterpret_cast<const std::byte *>(sums.data()));
-    StateBlock block{.name = name, .data = data, .bytes = sums.size_bytes(), .sumBytes = sizeof(T)};
+    auto *memory = const_cast<std::byte *>(reinterpret_cast<const std::byte *>(sums.data()));
+    StateBlock block{.name = name, .data = memory, .bytes = sums.size_bytes(), .sumBytes = sizeof(T)};
     block.add = [](std::byte *to, const std::byte *from, size_t bytes) {
         for (size_t at = 0; at < bytes; at += sizeof(T)) {
             T sum, other;

@@ -19,26 +19,24 @@ struct ShadowRay {
     Float ratio = 0;   ///< measured contribution / G_l(x)
 };
 
-/// Limit of the lights that the shadow rays of a cell tested but never reached, as one may be a sun behind a wall:
-/// their weight is at most that of the other lights, in the median over the cell's records.
+/// Limit of the lights that the shadow rays of a cell tested but never reached, as one may be a sun behind a wall: the
+/// mean, over the cell's records, of the scale (at most 1) that makes their weight equal to that of the other lights.
 class UnreachedLimit {
   public:
     /// Adds a record. `weightOf(ray)`: weight of the ray's light; `isUnreached(ray)`: true if the limit is for it.
     void Add(std::span<const ShadowRay> record, auto &&weightOf, auto &&isUnreached) {
         double unreached = 0, rest = 0;
         for (const ShadowRay &ray : record) (isUnreached(ray) ? unreached : rest) += weightOf(ray);
-        if (unreached > 0 && rest > 0) ratios_.push_back(rest / unreached);
+        if (!(unreached > 0 && rest > 0)) return;
+        sum_ += std::min(rest / unreached, 1.0);
+        ++count_;
     }
     /// Factor, at most 1, of the weights of the unreached lights.
-    double Scale() {
-        if (ratios_.empty()) return 1;
-        const auto middle = ratios_.begin() + ratios_.size() / 2;
-        std::nth_element(ratios_.begin(), middle, ratios_.end());
-        return std::min(*middle, 1.0);
-    }
+    double Scale() const { return count_ > 0 ? sum_ / count_ : 1; }
 
   private:
-    std::vector<double> ratios_;
+    double sum_ = 0;
+    int count_ = 0;
 };
 
 struct ShadowRaySums {

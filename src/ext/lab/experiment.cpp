@@ -4,6 +4,7 @@
 #include <filesystem>
 #include <tuple>
 
+#include "ext/lab/pictures.h"
 #include "ext/lab/results.h"
 #include "ext/lab/sampler_run.h"
 #include "pbrt/core/log.h"

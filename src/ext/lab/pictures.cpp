@@ -1,4 +1,4 @@
-#include "ext/lab/results.h"
+#include "ext/lab/pictures.h"
 
 #include <fmt/format.h>
 

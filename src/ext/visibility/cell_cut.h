@@ -23,10 +23,13 @@ struct ShadowRay {
 /// mean, over the cell's records, of the scale (at most 1) that makes their weight equal to that of the other lights.
 class UnreachedLimit {
   public:
-    /// Adds a record. `weightOf(ray)`: weight of the ray's light; `isUnreached(ray)`: true if the limit is for it.
-    void Add(std::span<const ShadowRay> record, auto &&weightOf, auto &&isUnreached) {
+    /// Adds a record. `lightOf(ray)`: pair of the factor of the light's weight, and whether the limit is for the light.
+    void Add(std::span<const ShadowRay> record, auto &&lightOf) {
         double unreached = 0, rest = 0;
-        for (const ShadowRay &ray : record) (isUnreached(ray) ? unreached : rest) += weightOf(ray);
+        for (const ShadowRay &ray : record) {
+            const auto [factor, isUnreached] = lightOf(ray);
+            (isUnreached ? unreached : rest) += double(ray.weight) * factor;
+        }
         if (!(unreached > 0 && rest > 0)) return;
         sum_ += std::min(rest / unreached, 1.0);
         ++count_;
@@ -210,6 +213,7 @@ class CellCut {
             }
             items[index].next = uint32_t(items.size());
         }
+        /// Applies UnreachedLimit to all items, and sums up the cost of the finest cut.
         void LimitUnreached(auto &&forEachRecord) {
             std::vector<uint32_t> finest, begins;
             for (uint32_t i = 0; i < items.size(); ++i) {
@@ -217,16 +221,13 @@ class CellCut {
                 finest.push_back(i);
                 begins.push_back(lights.At(items[i].node).begin);
             }
-            const auto itemOf = [&](const ShadowRay &ray) -> const Item & {
+            const auto lightOf = [&](const ShadowRay &ray) {
                 const auto next = std::ranges::upper_bound(begins, lights.PositionOf(ray.light));
-                return items[finest[next - begins.begin() - 1]];
+                const Item &item = items[finest[next - begins.begin() - 1]];
+                return std::pair(Factor(item), item.isUnreached);
             };
             UnreachedLimit limit;
-            forEachRecord([&](std::span<const ShadowRay> record) {
-                limit.Add(
-                    record, [&](const ShadowRay &ray) { return double(ray.weight) * Factor(itemOf(ray)); },
-                    [&](const ShadowRay &ray) { return itemOf(ray).isUnreached; });
-            });
+            forEachRecord([&](std::span<const ShadowRay> record) { limit.Add(record, lightOf); });
             const double scale = limit.Scale();
             for (Item &item : items) {
                 if (!item.isUnreached) continue;
@@ -235,6 +236,7 @@ class CellCut {
             }
             for (const uint32_t i : finest) total += items[i].cost;
         }
+        /// Needs the costs of all items. Children follow their parents.
         void SetKeys() {
             for (size_t i = items.size(); i-- > 0;) {
                 if (!IsInner(i)) continue;

@@ -219,12 +219,11 @@ class VisibilityTreeBuilder {
             node.factors.push_back(float(settings_.secondMoment ? std::sqrt(value) : value));
         }
         const auto isUnreached = [&](uint32_t l) { return of[l] && !(of[l]->wm > 0); };
+        const auto lightOf = [&](const ShadowRay &ray) {
+            return std::pair(double(node.factors[ray.light]), isUnreached(ray.light));
+        };
         UnreachedLimit limit;
-        ForEachRecord(node, [&](std::span<const ShadowRay> record) {
-            limit.Add(
-                record, [&](const ShadowRay &ray) { return double(ray.weight) * double(node.factors[ray.light]); },
-                [&](const ShadowRay &ray) { return isUnreached(ray.light); });
-        });
+        ForEachRecord(node, [&](std::span<const ShadowRay> record) { limit.Add(record, lightOf); });
         const auto scale = float(limit.Scale());
         for (uint32_t l = 0; l < of.size(); ++l)
             if (isUnreached(l)) node.factors[l] *= scale;

@@ -14,7 +14,7 @@
 namespace pbrt {
 namespace {
 
-constexpr const char *kOther = "its sums are of another film";
+constexpr const char *kOtherFilm = "its sums are of another film";
 
 /// A loaded state: kind and pixels of the film, and its sums by name.
 struct SavedState {
@@ -29,7 +29,7 @@ constexpr std::array<char, 8> kMagic = {'p', 'b', 'r', 't', 'f', 'l', 'm', '3'};
 SavedState ReadState(StateReader &in) {
     SavedState state;
     const auto magic = in.Value<std::array<char, 8>>();
-    in.Require(std::equal(kMagic.begin(), kMagic.end() - 1, magic.begin()), kOther);
+    in.Require(std::equal(kMagic.begin(), kMagic.end() - 1, magic.begin()), kOtherFilm);
     in.Require(magic == kMagic, "its film is of another version of the program");
     in(state.kind, state.pixelBounds);
     for (auto count = in.Value<uint64_t>(); count > 0; --count) {
@@ -191,10 +191,10 @@ void Film::AddSums(StateReader &in) {
     if (in.Value<bool>() && !HasSplats(Blocks())) ExpectSplats();
     for (const StateBlock &block : Blocks()) {
         const auto all = in.Value<uint64_t>();
-        in.Require(all == block.bytes || (block.isOfSplats && all == 0), kOther);
+        in.Require(all == block.bytes || (block.isOfSplats && all == 0), kOtherFilm);
         for (auto begin = in.Value<uint64_t>(); begin < all; begin = in.Value<uint64_t>()) {
             const auto bytes = in.Value<uint64_t>();
-            in.Require(bytes <= all - begin && begin % block.sumBytes == 0 && bytes % block.sumBytes == 0, kOther);
+            in.Require(bytes <= all - begin && begin % block.sumBytes == 0 && bytes % block.sumBytes == 0, kOtherFilm);
             block.add(block.data + begin, reinterpret_cast<const std::byte *>(in.Take(bytes).data()), bytes);
         }
     }
@@ -206,7 +206,7 @@ void Film::Add(StateReader &in, bool forgetsFirst) {
     const auto isSaved = [&](const StateBlock &block) { return state.sums.contains(block.name); };
     in.Require(state.kind == kind_ && state.pixelBounds.low == PixelBounds().low &&
                    state.pixelBounds.high == PixelBounds().high && std::ranges::all_of(blocks, isSaved),
-               kOther);
+               kOtherFilm);
     const auto lacksRoom = [&](const StateBlock &block) {
         return block.isOfSplats && block.bytes == 0 && !state.sums.at(block.name).empty();
     };
@@ -216,7 +216,7 @@ void Film::Add(StateReader &in, bool forgetsFirst) {
     }
     for (const StateBlock &block : blocks) {
         const std::string_view saved = state.sums.at(block.name);
-        in.Require(saved.size() == block.bytes || (block.isOfSplats && saved.empty()), kOther);
+        in.Require(saved.size() == block.bytes || (block.isOfSplats && saved.empty()), kOtherFilm);
         in.Require(block.isOfSplats || AreFinite(saved), "its film has sums that are not finite");
     }
     for (const StateBlock &block : blocks) {

@@ -14,7 +14,7 @@ constexpr int kGap = 4;  // pixels between parts
 Point2i ParseCorner(const std::string &text) {
     std::vector<std::string> xy = CLI::detail::split(text, ',');
     Point2i p(0);
-    if (xy.size() != 2 || !ReadNumber(xy[0], p.x) || !ReadNumber(xy[1], p.y))
+    if (text.ends_with(',') || xy.size() != 2 || !ReadNumber(xy[0], p.x) || !ReadNumber(xy[1], p.y))
         throw UserError("--crop {}: two whole numbers x,y were expected.", text);
     return p;
 }

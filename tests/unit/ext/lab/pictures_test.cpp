@@ -1,4 +1,4 @@
-#include "ext/lab/results.h"
+#include "ext/lab/pictures.h"
 
 #include <gtest/gtest.h>
 #include <cmath>

@@ -132,6 +132,7 @@ TEST_F(Imgtool, SplitnShowsStripsAndEnlargedCrops) {
     EXPECT_EQ(s.Get({13, 18}, 0), 1) << "gap";
     ExpectErrors({{"splitn i0.exr --outfile s.exr", "two"},
                   {"splitn i0.exr i1.exr --crop 3 --outfile s.exr", "x,y"},
+                  {"splitn i0.exr i1.exr --crop 3,4, --outfile s.exr", "x,y"},
                   {"splitn i0.exr i1.exr --crop 0,7 --cropsize 6 --outfile s.exr", "48 x 12"},
                   {"splitn i0.exr i1.exr --crop 2147483640,0 --cropsize 16 --outfile s.exr", "beyond the 48 x 12"},
                   {"splitn i0.exr i1.exr --crop 0,0 --cropsize 13 --outfile s.exr", "beyond the 48 x 12"}});

@@ -6,6 +6,8 @@
 #include <cmath>
 #include <mutex>
 
+#include "pbrt/core/memory.h"
+
 namespace pbrt {
 namespace {
 
@@ -112,6 +114,8 @@ Image::Image(PixelFormat format, Point2i resolution, std::vector<std::string> ch
     : format_(format), resolution_(resolution), channels_(std::move(channels)), encoding_(encoding) {
     PBRT_CHECK_MSG(resolution.x > 0 && resolution.y > 0 && !channels_.empty(), "{} x {}, {} channels", resolution.x,
                    resolution.y, channels_.size());
+    RequireMemory(double(ValueCount() * ValueBytes(format_)),
+                  fmt::format("an image of {} x {} pixels", resolution.x, resolution.y), {});
     data_.resize(ValueCount() * ValueBytes(format_));
     if (format_ == PixelFormat::U8) code_ = &ByteCode::Of(encoding_);
 }

@@ -57,6 +57,7 @@ bool RemapPixel(Point2i &p, Point2i resolution, WrapMode wrap);
 class Image {
   public:
     Image() = default;
+    /// Black. Throws UserError if it needs more than UsableMemory().
     Image(PixelFormat format, Point2i resolution, std::vector<std::string> channels, ColorEncoding encoding = {});
 
     explicit operator bool() const { return resolution_.x > 0; }

@@ -2,7 +2,6 @@
 #include <limits>
 
 #include "pbrt/cmd/imgtool/commands.h"
-#include "pbrt/core/memory.h"
 
 namespace pbrt::imgtool {
 namespace {
@@ -89,13 +88,12 @@ int Convert(const ConvertOptions &o) {
         }
     }
     if (o.repeat > 1) {
-        const Point2i size = image.Resolution();
-        if (int64_t(std::max(size.x, size.y)) * o.repeat > kMaxImageSide)
-            throw UserError("--repeatpix {}: the image becomes too large.", o.repeat);
-        RequireMemory(
-            double(image.Bytes()) * Sqr(double(o.repeat)),
-            fmt::format("--repeatpix {}: an image of {} x {} pixels", o.repeat, size.x * o.repeat, size.y * o.repeat),
-            {});
+        // Also of the corner of a part of an image.
+        int64_t side = std::max(image.Resolution().x, image.Resolution().y);
+        if (const std::optional<Bounds2i> &window = file.metadata.pixelBounds)
+            for (const int v : {window->low.x, window->low.y, window->high.x, window->high.y})
+                side = std::max(side, std::abs(int64_t{v}));
+        if (side * o.repeat > kMaxImageSide) throw UserError("--repeatpix {}: the image becomes too large.", o.repeat);
         image = Rearrange(image, image.Resolution() * o.repeat, [&](Point2i p) { return p / o.repeat; });
         if (std::optional<Bounds2i> &window = file.metadata.pixelBounds)
             window = {window->low * o.repeat, window->high * o.repeat};

@@ -38,7 +38,7 @@ class BenchScene {
     /// these are not the paths of the prepass.
     std::vector<ext::PrepassVertex> Vertices(double paths) {
         PrepareContext context = Context(12345, 1);
-        const auto pixels = static_cast<double>(built.film->PixelBounds().Area());
+        const auto pixels = double(built.film->PixelBounds().Area());
         return ext::TracePrepassPaths(context, std::min(1.0, paths / pixels), 3);
     }
 

@@ -31,14 +31,12 @@ rusage Usage() {
     return usage;
 }
 
-double PeakBytes() { return static_cast<double>(Usage().ru_maxrss) * 1024; }
+double PeakBytes() { return double(Usage().ru_maxrss) * 1024; }
 
 /// CPU seconds of all threads: the time that a single, otherwise idle core would take.
 double CpuSeconds() {
     const rusage usage = Usage();
-    auto seconds = [](const timeval &t) {
-        return static_cast<double>(t.tv_sec) + static_cast<double>(t.tv_usec) * 1e-6;
-    };
+    auto seconds = [](const timeval &t) { return double(t.tv_sec) + double(t.tv_usec) * 1e-6; };
     return seconds(usage.ru_utime) + seconds(usage.ru_stime);
 }
 
@@ -57,7 +55,7 @@ struct Patch {
         const Float phase = rng.Uniform() * 6;
         for (int y = 0; y <= side; ++y)
             for (int x = 0; x <= side; ++x) {
-                const Float u = static_cast<Float>(x) / side, v = static_cast<Float>(y) / side;
+                const Float u = Float(x) / side, v = Float(y) / side;
                 const Point3 at = corner + Point3(u, v, Float(0.1) * std::sin(7 * u + phase));
                 const Normal3 up = Normalize(Normal3(-Float(0.7) * std::cos(7 * u + phase), 0, 1));
                 p.insert(p.end(), {at.x, at.y, at.z});
@@ -87,7 +85,7 @@ void WritePly(const std::filesystem::path &file, const Patch &patch) {
            "property float nz\nproperty float u\nproperty float v\nelement face "
         << faces << "\nproperty list uchar int vertex_indices\nend_header\n";
     auto put = [&](const auto *values, size_t count) {
-        out.write(reinterpret_cast<const char *>(values), static_cast<std::streamsize>(count * sizeof(*values)));
+        out.write(reinterpret_cast<const char *>(values), std::streamsize(count * sizeof(*values)));
     };
     for (size_t i = 0; i < vertices; ++i) {
         put(&patch.p[3 * i], 3);
@@ -107,8 +105,8 @@ struct Sizes {
 
 Sizes WriteScene(const std::filesystem::path &folder, double scale) {
     Sizes sizes;
-    sizes.meshes = static_cast<int>(5000 * scale);
-    sizes.instances = static_cast<int>(20000 * scale);
+    sizes.meshes = int(5000 * scale);
+    sizes.instances = int(20000 * scale);
     std::filesystem::create_directories(folder / "ply");
     std::ofstream scene(folder / "scene.pbrt");
     scene << "LookAt 50 50 -200  50 50 50  0 1 0\nCamera \"perspective\" \"float fov\" 45\n"
@@ -119,7 +117,7 @@ Sizes WriteScene(const std::filesystem::path &folder, double scale) {
     const int objects = std::max(1, sizes.meshes / 10);
     for (int i = 0; i < sizes.meshes; ++i) {
         const Patch patch(rng);
-        sizes.triangles += static_cast<double>(patch.indices.size()) / 3;
+        sizes.triangles += double(patch.indices.size()) / 3;
         if (i % 10 == 0)
             scene << fmt::format("Material \"diffuse\" \"rgb reflectance\" [ {:.3f} {:.3f} {:.3f} ]\n", rng.Uniform(),
                                  rng.Uniform(), rng.Uniform());
@@ -133,7 +131,7 @@ Sizes WriteScene(const std::filesystem::path &folder, double scale) {
         } else {
             const std::string name = fmt::format("ply/mesh{:05}.ply", i);
             WritePly(folder / name, patch);
-            sizes.plyBytes += static_cast<double>(std::filesystem::file_size(folder / name));
+            sizes.plyBytes += double(std::filesystem::file_size(folder / name));
             scene << "Shape \"plymesh\" \"string filename\" \"" << name << "\"\n";
         }
         if (i < objects) scene << "ObjectEnd\n";
@@ -143,7 +141,7 @@ Sizes WriteScene(const std::filesystem::path &folder, double scale) {
             "AttributeBegin\nTranslate {} {} {}\nRotate {} 0 1 0\nObjectInstance \"object {}\"\nAttributeEnd\n",
             rng.Uniform() * 50, rng.Uniform() * 50, rng.Uniform() * 50, rng.Uniform() * 20, i % objects);
     scene.close();
-    sizes.textBytes = static_cast<double>(std::filesystem::file_size(folder / "scene.pbrt"));
+    sizes.textBytes = double(std::filesystem::file_size(folder / "scene.pbrt"));
     return sizes;
 }
 
@@ -183,7 +181,7 @@ void Run(double scale, const std::filesystem::path &folder) {
     out["secondsToFirstPixels"] = rendered.wall - start.wall;
     out["cpuSecondsToFirstPixels"] = rendered.cpu - start.cpu;
     out["peakBytesPerTriangle"] = (rendered.peak - start.peak) / sizes.triangles;
-    out["accelBytesPerTriangle"] = static_cast<double>(built.scene->Acceleration().Bytes()) / sizes.triangles;
+    out["accelBytesPerTriangle"] = double(built.scene->Acceleration().Bytes()) / sizes.triangles;
     std::printf("%s\n", out.dump(2).c_str());
 }
 

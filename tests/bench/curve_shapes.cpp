@@ -28,8 +28,8 @@ class EmbreeCurve {
         rtcSetGeometryTessellationRate(g, 16);
         auto *v = static_cast<float *>(rtcSetNewGeometryBuffer(g, RTC_BUFFER_TYPE_VERTEX, 0, RTC_FORMAT_FLOAT4, 16, 4));
         for (int k = 0; k < 4; ++k) {
-            for (int a = 0; a < 3; ++a) v[4 * k + a] = s.curve.p[static_cast<size_t>(k)][a];
-            v[4 * k + 3] = Lerp(static_cast<Float>(k) / 3, s.width0, s.width1) / 2;
+            for (int a = 0; a < 3; ++a) v[4 * k + a] = s.curve.p[k][a];
+            v[4 * k + 3] = Lerp(Float(k) / 3, s.width0, s.width1) / 2;
         }
         *static_cast<unsigned *>(rtcSetNewGeometryBuffer(g, RTC_BUFFER_TYPE_INDEX, 0, RTC_FORMAT_UINT, 4, 1)) = 0;
         rtcCommitGeometry(g);
@@ -98,7 +98,7 @@ void Compare(RTCDevice device, const Looks &looks) {
             farInU += std::abs(a->u - b->u) > Float(0.01);
             const Float v = (b->v + 1) / 2;
             farInV += std::min(std::abs(a->v - v), std::abs(a->v - (1 - v))) > Float(0.05);
-            depth += static_cast<double>(std::abs(a->t - b->t) * Length(d) / looks.width);
+            depth += double(std::abs(a->t - b->t) * Length(d) / looks.width);
         }
     }
     auto percent = [](int n, int of) { return 100.0 * n / std::max(of, 1); };

@@ -61,14 +61,13 @@ int main() {
             while (numbers.Take()) ++taken;
         numbers.Finish();
     }
-    const double answering = static_cast<double>(std::clock() - before) / CLOCKS_PER_SEC;
+    const double answering = double(std::clock() - before) / CLOCKS_PER_SEC;
     if (team->IsRank0()) std::printf("a reply takes rank 0 %.1f us of CPU\n", 1e6 * answering / (kNumbers / 10 / 4));
     if (team->IsRank0())
         std::printf(
             "%d processes: meeting %.1f us; %zu MB: reduction %.3f s, broadcast %.3f s; %.0f numbers distributed a "
             "millisecond, %.0f %% to rank 0 (%zu)\n",
-            team->Size(), 1e6 * meeting, kBytes >> 20, reduction, broadcast,
-            static_cast<double>(kNumbers) / distribution / 1e3,
-            100 * static_cast<double>(mine) / static_cast<double>(kNumbers), sum);
+            team->Size(), 1e6 * meeting, kBytes >> 20, reduction, broadcast, double(kNumbers) / distribution / 1e3,
+            100 * double(mine) / double(kNumbers), sum);
     return 0;
 }

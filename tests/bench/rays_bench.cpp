@@ -18,8 +18,8 @@ MeshData WrinkledBall() {
     MeshData mesh;
     for (uint32_t r = 0; r <= kRings; ++r)
         for (uint32_t a = 0; a < kRings; ++a) {
-            Float theta = Pi * (0.001f + 0.998f * static_cast<Float>(r) / kRings);
-            Float phi = 2 * Pi * static_cast<Float>(a) / kRings;
+            Float theta = Pi * (0.001f + 0.998f * Float(r) / kRings);
+            Float phi = 2 * Pi * Float(a) / kRings;
             Float radius = 1 + 0.08f * std::sin(23 * theta) * std::sin(17 * phi);
             mesh.p.push_back(radius * SphericalDirection(std::sin(theta), std::cos(theta), phi));
         }
@@ -68,8 +68,7 @@ std::vector<Ray> CameraRays() {
         for (int x = 0; x < n; ++x) {
             Ray r;
             r.o = {0, 0, -3};
-            r.d = Normalize(
-                Vector3((static_cast<Float>(x) / n - 0.5f) * 0.8f, (static_cast<Float>(y) / n - 0.5f) * 0.8f, 1));
+            r.d = Normalize(Vector3((Float(x) / n - 0.5f) * 0.8f, (Float(y) / n - 0.5f) * 0.8f, 1));
             rays.push_back(r);
         }
     return rays;
@@ -95,7 +94,7 @@ void ClosestHit(benchmark::State &state, Variant variant, bool bounce) {
     std::vector<Ray> rays = bounce ? BounceRays() : CameraRays();
     for (auto _ : state)
         for (const Ray &ray : rays) benchmark::DoNotOptimize(accel.Intersect(ray));
-    state.SetItemsProcessed(state.iterations() * static_cast<int64_t>(rays.size()));
+    state.SetItemsProcessed(state.iterations() * int64_t(rays.size()));
 }
 
 void Occlusion(benchmark::State &state, Variant variant) {
@@ -104,7 +103,7 @@ void Occlusion(benchmark::State &state, Variant variant) {
     for (Ray &ray : rays) ray.tMax = 1;  // about half are blocked
     for (auto _ : state)
         for (const Ray &ray : rays) benchmark::DoNotOptimize(accel.Occluded(ray));
-    state.SetItemsProcessed(state.iterations() * static_cast<int64_t>(rays.size()));
+    state.SetItemsProcessed(state.iterations() * int64_t(rays.size()));
 }
 
 void Build(benchmark::State &state, Variant variant) {
@@ -113,8 +112,7 @@ void Build(benchmark::State &state, Variant variant) {
         scene.accels.erase(variant);
         benchmark::DoNotOptimize(&scene.Of(variant));
     }
-    state.counters["bytes_per_triangle"] =
-        static_cast<double>(scene.Of(variant).Bytes()) / static_cast<double>(scene.mesh.PrimitiveCount());
+    state.counters["bytes_per_triangle"] = double(scene.Of(variant).Bytes()) / double(scene.mesh.PrimitiveCount());
 }
 
 BENCHMARK_CAPTURE(Build, robust, Variant::Robust)->Unit(benchmark::kMillisecond);

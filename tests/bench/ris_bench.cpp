@@ -36,7 +36,7 @@ struct Bench {
         if (!c.sample || !c.sample->L || !(c.sample->pdf > 0)) return c;
         Float cosine = q.ns == Normal3(0) ? 1 : Dot(c.sample->wi, q.ns);
         if (!q.transmits && cosine * Dot(q.wo, q.ns) <= 0) return c;
-        c.value = static_cast<double>(c.sample->L.Average() * std::abs(cosine) / (c.sample->pdf * s->pmf));
+        c.value = double(c.sample->L.Average() * std::abs(cosine) / (c.sample->pdf * s->pmf));
         return c;
     }
 
@@ -52,11 +52,11 @@ struct Bench {
                 // A sampler made for resampling would have the visibility from its choice, so the time to find it is
                 // not counted.
                 const double start = Now();
-                weight *= static_cast<double>(learned.PMF(q, c.light) / unlearned.PMF(q, c.light));
+                weight *= double(learned.PMF(q, c.light) / unlearned.PMF(q, c.light));
                 visibilitySeconds += Now() - start;
             }
             sum += weight;
-            if (static_cast<double>(rng.Uniform()) * sum < weight) {
+            if (double(rng.Uniform()) * sum < weight) {
                 chosen = c;
                 chosenWeight = weight;
             }
@@ -111,8 +111,8 @@ int Run(int argc, char **argv) {
     std::vector<double> mean(vertices.size(), 0.0);
     double overall = 0;
     for (size_t i = 0; i < vertices.size(); ++i) {
-        for (size_t m = 0; m < numbers.size(); ++m) mean[i] += first[m][i] / static_cast<double>(numbers.size());
-        overall += mean[i] / static_cast<double>(vertices.size());
+        for (size_t m = 0; m < numbers.size(); ++m) mean[i] += first[m][i] / double(numbers.size());
+        overall += mean[i] / double(vertices.size());
     }
     std::printf("%zu vertices, %zu lights\n", vertices.size(), built.scene->Lights().Size());
     double base = 0;
@@ -121,12 +121,12 @@ int Run(int argc, char **argv) {
         for (size_t i = 0; i < vertices.size(); ++i) {
             const double v = second[m][i] - first[m][i] * first[m][i];
             variance += v * kTrials / (kTrials - 1) / (mean[i] * mean[i] + 0.01 * overall * overall);
-            average += first[m][i] / static_cast<double>(vertices.size());
+            average += first[m][i] / double(vertices.size());
         }
         if (m == 0) base = variance;
         std::printf("M %2d  relative variance %.3f  against M = 1 %.3f  mean %.4g  ns %.0f\n", numbers[m],
-                    variance / static_cast<double>(vertices.size()), variance / base, average,
-                    seconds[m] / static_cast<double>(vertices.size() * kTrials) * 1e9);
+                    variance / double(vertices.size()), variance / base, average,
+                    seconds[m] / double(vertices.size() * kTrials) * 1e9);
     }
     return 0;
 }

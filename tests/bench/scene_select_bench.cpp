@@ -26,7 +26,7 @@ double NanosecondsPerQuery(size_t queries, Body &&body) {
         spent += seconds;
         best = std::min(best, seconds);
     }
-    return best / static_cast<double>(queries) * 1e9;
+    return best / double(queries) * 1e9;
 }
 
 nlohmann::ordered_json Measure(BenchScene &scene, const std::string &name, std::span<const LightQuery> queries) {
@@ -66,8 +66,8 @@ nlohmann::ordered_json Measure(BenchScene &scene, const std::string &name, std::
         const LightDistribution at = lights->At(queries[i], memory);
         if (std::optional<SampledLight> light = at.Sample(numbers[i])) sum += at.PMF(light->light) - light->pmf;
     });
-    out["pmfDiffers"] = wrong + static_cast<double>(sum != 0);
-    out["chosenShare"] = static_cast<double>(some.size()) / static_cast<double>(std::max<size_t>(1, queries.size()));
+    out["pmfDiffers"] = wrong + double(sum != 0);
+    out["chosenShare"] = double(some.size()) / double(std::max<size_t>(1, queries.size()));
     nlohmann::ordered_json report;
     lights->Report(report);
     out["report"] = report;

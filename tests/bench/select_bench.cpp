@@ -21,7 +21,7 @@ std::vector<LightCandidate> Candidates(int count) {
         b.phi = double(rng.Uniform()) + 0.1;
         LightCandidate c;
         c.bounds = b;
-        c.power = static_cast<Float>(b.phi);
+        c.power = Float(b.phi);
         candidates.push_back(c);
     }
     return candidates;
@@ -46,7 +46,7 @@ PluginRegistry Stock() {
 /// The costs are those of a sampler over state.range(0) lights.
 void SampleCost(benchmark::State &state, const std::string &name) {
     const PluginRegistry registry = Stock();
-    const auto table = test::TableOf(Candidates(static_cast<int>(state.range(0))));
+    const auto table = test::TableOf(Candidates(int(state.range(0))));
     auto sampler = registry.samplers.Find(name).make(ParamSet(), table->ByComponent());
     std::vector<LightQuery> queries = Queries();
     Rng rng(3);
@@ -56,19 +56,19 @@ void SampleCost(benchmark::State &state, const std::string &name) {
 
 void PmfCost(benchmark::State &state, const std::string &name) {
     const PluginRegistry registry = Stock();
-    const auto table = test::TableOf(Candidates(static_cast<int>(state.range(0))));
+    const auto table = test::TableOf(Candidates(int(state.range(0))));
     auto sampler = registry.samplers.Find(name).make(ParamSet(), table->ByComponent());
     std::vector<LightQuery> queries = Queries();
     Rng rng(3);
     size_t i = 0;
-    auto count = static_cast<uint32_t>(table->Size());
+    auto count = uint32_t(table->Size());
     for (auto _ : state)
         benchmark::DoNotOptimize(sampler->PMF(queries[i++ % queries.size()], LightId(rng.UniformInt(count))));
 }
 
 void BuildCost(benchmark::State &state, const std::string &name) {
     const PluginRegistry registry = Stock();
-    const auto table = test::TableOf(Candidates(static_cast<int>(state.range(0))));
+    const auto table = test::TableOf(Candidates(int(state.range(0))));
     for (auto _ : state) benchmark::DoNotOptimize(registry.samplers.Find(name).make(ParamSet(), table->ByComponent()));
 }
 

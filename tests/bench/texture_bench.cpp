@@ -30,8 +30,7 @@ class TestImage {
             for (int x = 0; x < Size; ++x)
                 for (int c = 0; c < 3; ++c)
                     image.Set({x, y}, c,
-                              0.3f + 0.2f * std::sin(static_cast<Float>(x + c * y) * 0.01f) +
-                                  0.2f * static_cast<Float>(rng() & 255) / 255);
+                              0.3f + 0.2f * std::sin(Float(x + c * y) * 0.01f) + 0.2f * Float(rng() & 255) / 255);
         WriteImage(path_, image);
     }
     ~TestImage() { std::filesystem::remove(path_); }
@@ -71,7 +70,7 @@ std::vector<Query> Queries(Float texels, bool coherent) {
 void OurLookup(benchmark::State &state, TextureFilter filter, bool tiled = false) {
     TileCache tiles(1024);
     const MipMap map(ReadImage(Picture().Path()).image, nullptr, filter, WrapMode::Repeat, 8, tiled ? &tiles : nullptr);
-    const std::vector<Query> queries = Queries(static_cast<Float>(state.range(0)) / 4, state.range(1) != 0);
+    const std::vector<Query> queries = Queries(Float(state.range(0)) / 4, state.range(1) != 0);
     size_t i = 0;
     for (auto _ : state) {
         const Query &q = queries[i++ & (QueryCount - 1)];
@@ -91,7 +90,7 @@ void OiioLookup(benchmark::State &state, OIIO::TextureOpt::InterpMode interpolat
     options.interpmode = interpolation;
     options.mipmode = mip;
     options.anisotropic = 8;
-    const std::vector<Query> queries = Queries(static_cast<Float>(state.range(0)) / 4, state.range(1) != 0);
+    const std::vector<Query> queries = Queries(Float(state.range(0)) / 4, state.range(1) != 0);
     auto look = [&](const Query &q) {
         float result[3] = {0, 0, 0};
         const bool ok =

@@ -35,13 +35,13 @@ constexpr double kWallPerCpu = 8;       // wall-clock time allowed per CPU time;
 
 double Seconds(clockid_t clock) {
     timespec t{};
-    return clock_gettime(clock, &t) == 0 ? static_cast<double>(t.tv_sec) + 1e-9 * static_cast<double>(t.tv_nsec) : -1;
+    return clock_gettime(clock, &t) == 0 ? double(t.tv_sec) + 1e-9 * double(t.tv_nsec) : -1;
 }
 
 size_t AddressSpaceInUse() {
     size_t pages = 0;
     std::ifstream("/proc/self/statm") >> pages;
-    return pages * static_cast<size_t>(sysconf(_SC_PAGESIZE));
+    return pages * size_t(sysconf(_SC_PAGESIZE));
 }
 
 void Limit(decltype(RLIMIT_AS) which, size_t value) {
@@ -95,7 +95,7 @@ Child::Child() {
     void *memory = mmap(nullptr, sizeof(SharedWithChild), PROT_READ | PROT_WRITE, MAP_SHARED | MAP_ANONYMOUS, -1, 0);
     if (memory == MAP_FAILED) throw std::runtime_error("no shared memory");
     shared_ = new (memory) SharedWithChild;
-    messagesFd_ = static_cast<int>(memfd_create("messages", MFD_CLOEXEC));
+    messagesFd_ = int(memfd_create("messages", MFD_CLOEXEC));
     if (messagesFd_ < 0) throw std::runtime_error("no file in memory for messages");
     // The first call loads a library, which a handler must not.
     std::array<void *, 2> frames{};
@@ -142,7 +142,7 @@ void Child::Start(const std::string &folder, const ChildBody &body, const Limits
         // forked.
         _exit(status);
     }
-    endFd_ = static_cast<int>(syscall(SYS_pidfd_open, pid_, 0));
+    endFd_ = int(syscall(SYS_pidfd_open, pid_, 0));
     if (endFd_ < 0) throw std::runtime_error("pidfd_open failed");
     if (clock_getcpuclockid(pid_, &clock_) != 0) clock_ = CLOCK_MONOTONIC;
     startWall_ = Seconds(CLOCK_MONOTONIC);
@@ -177,8 +177,7 @@ bool Child::Poll(int milliseconds) {
     poll(&end, 1, milliseconds);
     siginfo_t info{};
     rusage usage{};
-    if (waitid(P_PID, static_cast<id_t>(pid_), &info, WEXITED | WNOHANG | WNOWAIT) != 0)
-        throw std::runtime_error("wait");
+    if (waitid(P_PID, id_t(pid_), &info, WEXITED | WNOHANG | WNOWAIT) != 0) throw std::runtime_error("wait");
     if (info.si_pid == 0) {
         EnforceTime();
         return false;
@@ -191,17 +190,15 @@ bool Child::Poll(int milliseconds) {
     if (WIFSIGNALED(status)) result_.signal = WTERMSIG(status);
     // After a signal a sanitizer ends the process with its own exit status.
     if (shared_->signal != 0 && shared_->signal != kWhereSignal) result_.signal = shared_->signal;
-    auto seconds = [](const timeval &t) {
-        return static_cast<double>(t.tv_sec) + 1e-6 * static_cast<double>(t.tv_usec);
-    };
+    auto seconds = [](const timeval &t) { return double(t.tv_sec) + 1e-6 * double(t.tv_usec); };
     result_.seconds = seconds(usage.ru_utime) + seconds(usage.ru_stime);
     result_.frames.assign(shared_->frames.begin(),
                           shared_->frames.begin() + std::clamp(shared_->frameCount, 0, kMaxFrames));
     result_.picture = shared_->picture;
-    result_.messageBytes = static_cast<size_t>(std::max<off_t>(0, lseek(messagesFd_, 0, SEEK_END)));
+    result_.messageBytes = size_t(std::max<off_t>(0, lseek(messagesFd_, 0, SEEK_END)));
     result_.messages.resize(std::min(result_.messageBytes, kKeptMessages));
     const ssize_t got = pread(messagesFd_, result_.messages.data(), result_.messages.size(), 0);
-    result_.messages.resize(static_cast<size_t>(std::max<ssize_t>(0, got)));
+    result_.messages.resize(size_t(std::max<ssize_t>(0, got)));
     return true;
 }
 

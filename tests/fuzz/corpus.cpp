@@ -26,7 +26,7 @@ namespace fs = std::filesystem;
 constexpr int kSize = 8;
 
 /// Values in (0, 1] that differ from pixel to pixel.
-float Value(int x, int y, int c) { return static_cast<float>((x * 37 + y * 101 + c * 53) % 97 + 3) / 100; }
+float Value(int x, int y, int c) { return float((x * 37 + y * 101 + c * 53) % 97 + 3) / 100; }
 
 Image Picture(PixelFormat format, const std::vector<std::string> &channels, int width = kSize) {
     Image image(format, {width, kSize}, channels);
@@ -71,8 +71,8 @@ std::string RadianceHdr() {
     std::string out = fmt::format("#?RADIANCE\nFORMAT=32-bit_rle_rgbe\n\n-Y {0} +X {0}\n", kSize);
     for (int y = 0; y < kSize; ++y)
         for (int x = 0; x < kSize; ++x) {
-            for (int c = 0; c < 3; ++c) out += static_cast<char>(128 + static_cast<int>(Value(x, y, c) * 100));
-            out += static_cast<char>(128);
+            for (int c = 0; c < 3; ++c) out += char(128 + int(Value(x, y, c) * 100));
+            out += char(128);
         }
     return out;
 }
@@ -83,9 +83,9 @@ std::string Targa(bool runLength) {
     out[12] = out[14] = kSize;
     out[16] = 24;
     for (int y = 0; y < kSize; ++y) {
-        if (runLength) out += static_cast<char>(kSize - 1);  // a packet of single pixels
+        if (runLength) out += char(kSize - 1);  // a packet of single pixels
         for (int x = 0; x < kSize; ++x)
-            for (int c = 0; c < 3; ++c) out += static_cast<char>(static_cast<int>(Value(x, y, c) * 255));
+            for (int c = 0; c < 3; ++c) out += char(int(Value(x, y, c) * 255));
     }
     return out;
 }
@@ -95,7 +95,7 @@ enum class PlyKind { Ascii, Little, Big };
 std::string Ply(PlyKind kind) {
     constexpr const char *kFormats[] = {"ascii", "binary_little_endian", "binary_big_endian"};
     std::string out =
-        fmt::format("ply\nformat {} 1.0\ncomment made for tests\nelement vertex 9\n", kFormats[static_cast<int>(kind)]);
+        fmt::format("ply\nformat {} 1.0\ncomment made for tests\nelement vertex 9\n", kFormats[int(kind)]);
     for (const char *name : {"x", "y", "z", "nx", "ny", "nz"}) out += fmt::format("property float {}\n", name);
     out += "property double u\nproperty double v\nproperty uchar red\n";
     out += "element face 6\nproperty list uchar int vertex_indices\nproperty int face_indices\nend_header\n";
@@ -114,18 +114,18 @@ std::string Ply(PlyKind kind) {
     };
     for (int y = 0; y < 3; ++y)
         for (int x = 0; x < 3; ++x) {
-            for (double v : {x / 2., y / 2., 0.1 * (x * y), 0., 0., -1.}) put(static_cast<float>(v));
+            for (double v : {x / 2., y / 2., 0.1 * (x * y), 0., 0., -1.}) put(float(v));
             put(x / 2.);
             put(y / 2.);
-            put(static_cast<uint8_t>(200));
+            put(uint8_t(200));
             line();
         }
     const std::vector<std::vector<int>> faces = {{0, 1, 4, 3}, {1, 2, 5, 4}, {3, 4, 6},
                                                  {4, 7, 6},    {4, 5, 7},    {4, 5, 8, 7, 6}};
     for (size_t f = 0; f < faces.size(); ++f) {
-        put(static_cast<uint8_t>(faces[f].size()));
-        for (int v : faces[f]) put(static_cast<int32_t>(v));
-        put(static_cast<int32_t>(f));
+        put(uint8_t(faces[f].size()));
+        for (int v : faces[f]) put(int32_t(v));
+        put(int32_t(f));
         line();
     }
     return out;
@@ -142,7 +142,7 @@ std::string MeasuredBsdf() {
         Field f{name, shape, {}};
         uint64_t size = 1;
         for (uint64_t n : shape) size *= n;
-        for (uint64_t i = 0; i < size; ++i) f.values.push_back(0.2f + Value(static_cast<int>(i), 1, 2));
+        for (uint64_t i = 0; i < size; ++i) f.values.push_back(0.2f + Value(int(i), 1, 2));
         return f;
     };
     const std::vector<Field> fields = {{"phi_i", {1}, {0}},
@@ -157,13 +157,13 @@ std::string MeasuredBsdf() {
     size_t head = 18;
     for (const Field &f : fields) head += 2 + f.name.size() + 2 + 1 + 8 + 8 * f.shape.size();
     std::string out("tensor_file\0\1\0", 14), body;
-    put(out, static_cast<uint32_t>(fields.size()));
+    put(out, uint32_t(fields.size()));
     for (const Field &f : fields) {
-        put(out, static_cast<uint16_t>(f.name.size()));
+        put(out, uint16_t(f.name.size()));
         out += f.name;
-        put(out, static_cast<uint16_t>(f.shape.size()));
-        put(out, static_cast<uint8_t>(10));
-        put(out, static_cast<uint64_t>(head + body.size()));
+        put(out, uint16_t(f.shape.size()));
+        put(out, uint8_t(10));
+        put(out, uint64_t(head + body.size()));
         for (uint64_t n : f.shape) put(out, n);
         for (float v : f.values) put(body, v);
     }
@@ -174,9 +174,9 @@ std::string MeasuredBsdf() {
 std::string Flow(z_stream &stream, const std::string &bytes, size_t most, int (*run)(z_stream *, int)) {
     std::string out(most, '\0');
     stream.next_in = reinterpret_cast<Bytef *>(const_cast<char *>(bytes.data()));
-    stream.avail_in = static_cast<uInt>(bytes.size());
+    stream.avail_in = uInt(bytes.size());
     stream.next_out = reinterpret_cast<Bytef *>(out.data());
-    stream.avail_out = static_cast<uInt>(out.size());
+    stream.avail_out = uInt(out.size());
     run(&stream, Z_FINISH);
     out.resize(stream.total_out);
     return out;

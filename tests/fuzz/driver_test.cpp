@@ -85,7 +85,7 @@ int RecurseForEver(int n);
 int (*volatile recurse)(int) = RecurseForEver;
 int RecurseForEver(int n) {
     volatile char room[1000];
-    room[n % 1000] = static_cast<char>(n);
+    room[n % 1000] = char(n);
     return recurse(n + 1) + room[n % 500];
 }
 void KeepBusy() {

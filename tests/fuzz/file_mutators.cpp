@@ -17,7 +17,7 @@ namespace {
 
 std::string Noise(size_t size, Dice &dice) {
     std::string bytes(size, '\0');
-    for (char &c : bytes) c = static_cast<char>(dice.Next());
+    for (char &c : bytes) c = char(dice.Next());
     return bytes;
 }
 
@@ -35,7 +35,7 @@ std::string ExtremeWord(Dice &dice) {
     switch (dice.Below(5)) {
         case 0: word = bytes(std::stoull(dice.Pick(kIntegers), nullptr, 0)).substr(0, size); break;
         case 1: word = bytes(uint64_t(1) << dice.Below(64)).substr(0, size); break;
-        case 2: word = bytes(static_cast<float>(dice.Pick(kFloats))); break;
+        case 2: word = bytes(float(dice.Pick(kFloats))); break;
         case 3: word = bytes(dice.Pick(kDoubles)); break;
         default: word = bytes(dice.Next()).substr(0, size);
     }
@@ -163,7 +163,7 @@ void MutatePngChunk(std::string &bytes, Dice &dice) {
     };
     auto number = [](const std::string &s, size_t at) {
         uint32_t v = 0;
-        for (size_t i = 0; i < 4; ++i) v = v << 8 | static_cast<uint8_t>(s[at + i]);
+        for (size_t i = 0; i < 4; ++i) v = v << 8 | uint8_t(s[at + i]);
         return v;
     };
     std::vector<Chunk> chunks;
@@ -194,15 +194,14 @@ void MutatePngChunk(std::string &bytes, Dice &dice) {
         }
     }
     auto put = [](std::string &out, uint32_t v) {
-        for (int shift = 24; shift >= 0; shift -= 8) out += static_cast<char>(v >> shift);
+        for (int shift = 24; shift >= 0; shift -= 8) out += char(v >> shift);
     };
     std::string out = bytes.substr(0, 8);
     for (const Chunk &c : chunks) {
-        put(out, static_cast<uint32_t>(c.data.size()));
+        put(out, uint32_t(c.data.size()));
         const std::string body = c.type + c.data;
         out += body;
-        put(out, static_cast<uint32_t>(
-                     crc32(0, reinterpret_cast<const Bytef *>(body.data()), static_cast<uInt>(body.size()))));
+        put(out, uint32_t(crc32(0, reinterpret_cast<const Bytef *>(body.data()), uInt(body.size()))));
     }
     bytes = std::move(out);
 }
@@ -236,7 +235,7 @@ std::string ExtremeNumber(Dice &dice) {
         "1e-400 nan inf -inf 2147483647 2147483648 -2147483648 -2147483649 4294967295 4294967296 "
         "9223372036854775807 18446744073709551616 1099511627776 65535 65536 100000 1000000 0.5 .99999999 "
         "1.0000001 0x10 1e 1e+ --1 1.2.3 1,5 07 +5 . - 90 180 360 1e5 -1e5 16777217");
-    if (dice.OneIn(30)) return std::string(1 + dice.Below(5000), static_cast<char>('0' + dice.Below(10)));
+    if (dice.OneIn(30)) return std::string(1 + dice.Below(5000), char('0' + dice.Below(10)));
     return dice.Pick(kNumbers);
 }
 
@@ -247,10 +246,10 @@ void MutateBytes(std::string &bytes, size_t head, Dice &dice) {
     switch (dice.Below(9)) {
         case 0:
         case 1:
-            if (!bytes.empty()) bytes[at] = static_cast<char>(bytes[at] ^ (1 << dice.Below(8)));
+            if (!bytes.empty()) bytes[at] = char(bytes[at] ^ (1 << dice.Below(8)));
             break;
         case 2:
-            if (!bytes.empty()) bytes[at] = static_cast<char>(dice.Next());
+            if (!bytes.empty()) bytes[at] = char(dice.Next());
             break;
         case 3: {
             const std::string word = ExtremeWord(dice);
@@ -279,8 +278,8 @@ bool MutateNumberInText(std::string &text, size_t begin, size_t end, Dice &dice)
     std::string number = text.substr(at, length);
     switch (dice.Below(6)) {
         case 0: number = fmt::format("-{}", number); break;
-        case 1: number += static_cast<char>('0' + dice.Below(10)); break;
-        case 2: number += fmt::format("e{}", static_cast<int>(dice.Below(80)) - 40); break;
+        case 1: number += char('0' + dice.Below(10)); break;
+        case 2: number += fmt::format("e{}", int(dice.Below(80)) - 40); break;
         default: number = ExtremeNumber(dice);
     }
     text.replace(at, length, number);

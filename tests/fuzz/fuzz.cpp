@@ -73,7 +73,7 @@ Tally RunCases(const Settings &s, const CaseMaker &maker, const Scratch &scratch
         uint64_t number = 0;
         FuzzCase fuzzCase;
     };
-    std::vector<Seat> seats(static_cast<size_t>(s.jobs));
+    std::vector<Seat> seats(s.jobs);
     for (size_t i = 0; i < seats.size(); ++i)
         seats[i].place = std::make_unique<Workplace>(scratch.Path("job" + std::to_string(i)));
     const uint64_t end = s.from + s.cases;
@@ -108,8 +108,7 @@ Tally RunCases(const Settings &s, const CaseMaker &maker, const Scratch &scratch
         if (pbrt::SecondsSince(shown) > 10) {
             shown = std::chrono::steady_clock::now();
             fmt::print(stderr, "{} cases, {:.1f} ms each, {} failures of {} causes\n", tally.cases,
-                       1000 * pbrt::SecondsSince(start) / static_cast<double>(tally.cases), tally.Failures(),
-                       tally.causes.size());
+                       1000 * pbrt::SecondsSince(start) / double(tally.cases), tally.Failures(), tally.causes.size());
         }
     }
     tally.seconds = pbrt::SecondsSince(start);

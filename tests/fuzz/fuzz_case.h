@@ -33,12 +33,12 @@ class Dice {
         return z ^ (z >> 31);
     }
     /// In [0, n); 0 if n is 0.
-    size_t Below(size_t n) { return n ? static_cast<size_t>(Next() % n) : 0; }
+    size_t Below(size_t n) { return n ? size_t(Next() % n) : 0; }
     /// True once in n times.
     bool OneIn(size_t n) { return Below(n) == 0; }
     template <class Container>
     const auto &Pick(const Container &from) {
-        return *(std::begin(from) + static_cast<std::ptrdiff_t>(Below(std::size(from))));
+        return *(std::begin(from) + std::ptrdiff_t(Below(std::size(from))));
     }
 
   private:

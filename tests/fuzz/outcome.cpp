@@ -25,7 +25,7 @@ using Record = nlohmann::ordered_json;
 std::string FirstLineOf(const std::string &command) {
     std::unique_ptr<FILE, int (*)(FILE *)> pipe(popen(command.c_str(), "r"), pclose);
     std::array<char, 4096> line{};
-    if (!pipe || !std::fgets(line.data(), static_cast<int>(line.size()), pipe.get())) return "";
+    if (!pipe || !std::fgets(line.data(), int(line.size()), pipe.get())) return "";
     std::string text = line.data();
     while (!text.empty() && text.back() == '\n') text.pop_back();
     return text;
@@ -132,7 +132,7 @@ const char *Name(Outcome outcome) {
     static constexpr std::array<const char *, kOutcomeCount> kNames = {"rendered", "warned",    "refused", "stopped",
                                                                        "signal",   "sanitizer", "hang",    "memory",
                                                                        "message",  "silent",    "picture", "accepted"};
-    return kNames[static_cast<size_t>(outcome)];
+    return kNames[size_t(outcome)];
 }
 
 std::vector<std::string> OurFunctions(const std::vector<void *> &frames) {
@@ -183,7 +183,7 @@ Verdict Judge(const ChildResult &r, const FuzzCase &fuzzCase, const std::vector<
 
 void Tally::Add(uint64_t number, const FuzzCase &fuzzCase, const Verdict &verdict) {
     ++cases;
-    ++counts[fuzzCase.kind][static_cast<size_t>(verdict.outcome)];
+    ++counts[fuzzCase.kind][size_t(verdict.outcome)];
     if (!IsFailure(verdict.outcome)) return;
     const std::string key = fmt::format("{}: {}", Name(verdict.outcome), verdict.cause);
     auto [it, isNew] = causes.try_emplace(key, Cause{verdict.outcome, 0, number, ""});

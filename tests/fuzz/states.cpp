@@ -50,7 +50,7 @@ struct State {
     std::string Bytes() const {
         StateWriter out;
         out.Copy(magic.data(), magic.size());
-        out(uint64_t{0}, kind, static_cast<uint32_t>(sections.size()));
+        out(uint64_t{0}, kind, uint32_t(sections.size()));
         for (const CaseFile &section : sections) out(section.name, section.bytes);
         std::string bytes = out.Joined();
         const size_t summed = bytes.size();
@@ -267,10 +267,10 @@ FuzzCase MakeReferenceCase(const StateSeed &seed, Dice &dice) {
             metadata.fullResolution.reset();
             break;
         case 2: metadata.attributes[dice.Pick(kTexts)] = std::string("bvh of others"); break;
-        case 3: metadata.attributes[dice.Pick(kCounts)] = static_cast<int>(dice.Below(8)); break;
+        case 3: metadata.attributes[dice.Pick(kCounts)] = int(dice.Below(8)); break;
         default: {
-            const Point2i p(static_cast<int>(dice.Below(size.x)), static_cast<int>(dice.Below(size.y)));
-            const auto channel = static_cast<int>(dice.Below(image.Channels().size()));
+            const Point2i p(int(dice.Below(size.x)), int(dice.Below(size.y)));
+            const auto channel = int(dice.Below(image.Channels().size()));
             image.Set(p, channel, -1 - image.Get(p, channel));
         }
     }

@@ -35,7 +35,7 @@ int Call(int (*program)(int, char **), const char *name, const FuzzCase &fuzzCas
     std::vector<char *> argv;
     for (std::string &a : arguments) argv.push_back(a.data());
     argv.push_back(nullptr);
-    return program(static_cast<int>(arguments.size()), argv.data());
+    return program(int(arguments.size()), argv.data());
 }
 
 int RunLightlab([[maybe_unused]] const FuzzCase &fuzzCase) {
@@ -89,7 +89,7 @@ void PrepareProgram(const std::string &folder) {
 void WriteFiles(const FuzzCase &fuzzCase, const std::string &folder) {
     for (const CaseFile &file : fuzzCase.files)
         std::ofstream(fs::path(folder) / file.name, std::ios::binary)
-            .write(file.bytes.data(), static_cast<std::streamsize>(file.bytes.size()));
+            .write(file.bytes.data(), std::streamsize(file.bytes.size()));
 }
 
 Workplace::Workplace(std::string folder, Program program) : folder_(std::move(folder)), program_(std::move(program)) {

@@ -46,7 +46,7 @@ TEST(DirectLight, IsTheSingleScatteringOfSimplePath) {
         for (int x = 0; x < 16; ++x)
             for (int c = 0; c < 3; ++c) {
                 EXPECT_FLOAT_EQ(image.Get({x, y}, c), expected.Get({x, y}, c)) << x << ' ' << y;
-                sum += static_cast<double>(image.Get({x, y}, c));
+                sum += double(image.Get({x, y}, c));
             }
     EXPECT_GT(sum, 1);
 }

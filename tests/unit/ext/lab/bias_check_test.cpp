@@ -21,7 +21,7 @@ struct Count {
 
 Count Verdicts(const Experiment &experiment, int experiments, uint64_t seed, const BiasSettings &settings = {},
                bool single = false) {
-    std::vector<BiasVerdict> verdicts(static_cast<size_t>(experiments));
+    std::vector<BiasVerdict> verdicts(experiments);
     ParallelForEach(experiments, [&](int64_t i) {
         const auto k = size_t(i);
         verdicts[k] = Simulate(experiment, seed + k, settings, single).verdict;

@@ -58,7 +58,7 @@ TEST_F(Experiment, ResumesWhateverFileWasCutShort) {
                 fs::remove_all(folder_ / "cut");
                 fs::copy(folder_ / experiment, folder_ / "cut", fs::copy_options::recursive);
                 if (length < 0) fs::remove(folder_ / "cut" / file);
-                else fs::resize_file(folder_ / "cut" / file, static_cast<uintmax_t>(length));
+                else fs::resize_file(folder_ / "cut" / file, uintmax_t(length));
                 SCOPED_TRACE(fmt::format("{} {} {}", experiment, file, length));
                 const ExperimentOutcome outcome = Run(Settings("cut", samplers));
                 ++cuts;

@@ -38,7 +38,7 @@ TEST(MemoryEstimate, OfMeshesIsBelowWhatTheyTakeButNotFar) {
     EXPECT_EQ(estimate.triangles, 2 * kSide * kSide);
     const BuiltScene built = BuildText(SceneText().World(Objects().Light("point").Add(grid)));
     const double mesh = (kSide + 1) * (kSide + 1) * 12.0 + 2 * kSide * kSide * 12.0;
-    const double actual = mesh + static_cast<double>(built.scene->Acceleration().Bytes());
+    const double actual = mesh + double(built.scene->Acceleration().Bytes());
     EXPECT_LE(estimate.meshes, actual);
     EXPECT_GT(estimate.meshes, 0.3 * actual);
 }

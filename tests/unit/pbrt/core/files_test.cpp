@@ -17,7 +17,7 @@ class Files : public test::FolderTest {
   protected:
     std::string Gzip(const std::string &name, const std::string &text) {
         gzFile f = gzopen(Path(name).c_str(), "wb");
-        gzwrite(f, text.data(), static_cast<unsigned>(text.size()));
+        gzwrite(f, text.data(), unsigned(text.size()));
         gzclose(f);
         return Path(name);
     }

@@ -13,11 +13,11 @@ TEST(ParallelFor, VisitsEveryIndexOnce) {
     for (int threads : {1, 4}) {
         ThreadLimit limit(threads);
         for (int64_t count : {0, 1, 7, 10000}) {
-            std::vector<std::atomic<int>> visits(static_cast<size_t>(count));
+            std::vector<std::atomic<int>> visits(count);
             ParallelFor(count, 16, [&](int64_t begin, int64_t end) {
-                for (int64_t i = begin; i < end; ++i) ++visits[static_cast<size_t>(i)];
+                for (int64_t i = begin; i < end; ++i) ++visits[i];
             });
-            ParallelForEach(count, [&](int64_t i) { ++visits[static_cast<size_t>(i)]; });
+            ParallelForEach(count, [&](int64_t i) { ++visits[i]; });
             for (const auto &v : visits) ASSERT_EQ(v, 2);
         }
     }

@@ -51,9 +51,9 @@ TEST_F(StateFiles, WithAnyBitTurnedTheyThrow) {
     std::string content = ReadFileContents(Example("a"));
     for (size_t i = 0; i < content.size(); ++i)
         for (int bit = 0; bit < 8; ++bit) {
-            content[i] = static_cast<char>(content[i] ^ (1 << bit));
+            content[i] = char(content[i] ^ (1 << bit));
             EXPECT_NE(MessageOf([&] { StateFile(Write("b", content), "test"); }), "") << i << " " << bit;
-            content[i] = static_cast<char>(content[i] ^ (1 << bit));
+            content[i] = char(content[i] ^ (1 << bit));
         }
     EXPECT_EQ(MessageOf([&] { StateFile(Write("b", content), "test"); }), "");
 }

@@ -32,7 +32,7 @@ TEST(Team, BroadcastsFromRank0AndReducesToIt) {
                     seen.insert(theirs.begin(), theirs.end());
                 });
             if (!team.IsRank0()) return;
-            EXPECT_EQ(seen.size(), static_cast<size_t>(size));
+            EXPECT_EQ(seen.size(), size_t(size));
             for (int r = 0; r < size; ++r) EXPECT_EQ(seen.count(r), 1u);
         });
 }
@@ -48,7 +48,7 @@ TEST(Team, EveryNumberIsDistributedOnce) {
                 WorkDistributor distributor(team, count, 2, progress);
                 const auto haveAllTaken = [&] {
                     std::lock_guard lock(mutex);
-                    return takers.size() == static_cast<size_t>(size);
+                    return takers.size() == size_t(size);
                 };
                 const auto work = [&] {
                     for (bool isFirst = true; const auto i = distributor.Take(); isFirst = false) {
@@ -71,7 +71,7 @@ TEST(Team, EveryNumberIsDistributedOnce) {
                 EXPECT_FALSE(distributor.Take());
                 EXPECT_FALSE(progress.Cancelled());
             });
-            EXPECT_EQ(taken.size(), static_cast<size_t>(count));
+            EXPECT_EQ(taken.size(), size_t(count));
             for (int64_t i = 0; i < count; ++i) EXPECT_EQ(taken.count(i), 1u);
         }
 }

@@ -60,7 +60,7 @@ inline void ExpectNear(const Vector3 &a, const Vector3 &b, Float tolerance = 1e-
 
 /// Expects that two BSDFs scatter alike: same flags, and equal values, densities and samples for a set of directions.
 inline void ExpectSameScattering(const Bsdf &a, const Bsdf &b) {
-    ASSERT_EQ(static_cast<bool>(a), static_cast<bool>(b));
+    ASSERT_EQ(bool(a), bool(b));
     EXPECT_EQ(int(a.Flags()), int(b.Flags()));
     auto near = [](Float x, Float y) { EXPECT_NEAR(x, y, 1e-4f * std::max(Float(1), std::abs(y))); };
     SurfacePoint s = TestPoint();

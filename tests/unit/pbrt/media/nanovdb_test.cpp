@@ -175,7 +175,7 @@ TEST_F(NanoVdbMedium, BrokenFilesAreErrors) {
     for (int i = 0; i < 400; ++i) {
         std::string flipped = blob;
         const size_t at = 8 + rng.UniformInt(uint32_t(i % 2 ? flipped.size() - 8 : 2000));
-        flipped[at] = static_cast<char>(flipped[at] ^ (1 + rng.UniformInt(255)));
+        flipped[at] = char(flipped[at] ^ (1 + rng.UniformInt(255)));
         DiagnosticSink sink;
         try {
             const Params params = Params().String("filename", Write("flipped.nvdb", flipped));
@@ -195,7 +195,7 @@ TEST_F(NanoVdbMedium, BrokenFilesAreErrors) {
     ASSERT_TRUE(MakeMedium("nanovdb", Params().String("filename", Path("sum.nvdb"))));
     for (size_t at = sound.size() - 900; at < sound.size(); at += 100) {
         std::string flipped = sound;
-        flipped[at] = static_cast<char>(flipped[at] ^ 0x55);
+        flipped[at] = char(flipped[at] ^ 0x55);
         expect(flipped, "is damaged");
     }
 }

@@ -146,12 +146,12 @@ TEST(Scene, CrossingsAreThoseOfOneMaterialAndEquallyLikely) {
     std::map<int, int> found;
     constexpr int kDraws = 4000;
     for (int i = 0; i < kDraws; ++i) {
-        const auto crossing = built.scene->SampleCrossing({0.1f, 0.1f, 0}, {0.1f, 0.1f, 6}, 0, a,
-                                                          (static_cast<Float>(i) + 0.5f) / kDraws);
+        const auto crossing =
+            built.scene->SampleCrossing({0.1f, 0.1f, 0}, {0.1f, 0.1f, 6}, 0, a, (Float(i) + 0.5f) / kDraws);
         ASSERT_TRUE(crossing);
         EXPECT_EQ(crossing->count, 3);
         EXPECT_EQ(crossing->point.material, a);
-        ++found[static_cast<int>(std::lround(crossing->point.p.z))];
+        ++found[int(std::lround(crossing->point.p.z))];
     }
     ASSERT_EQ(found.size(), 3u);
     for (int z : {1, 3, 5}) EXPECT_NEAR(found[z], kDraws / 3.0, 3) << z;

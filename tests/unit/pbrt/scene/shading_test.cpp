@@ -65,7 +65,7 @@ TEST(Shading, MixturesTakeOneOfTheirMaterialsPerPoint) {
     int light = 0;
     constexpr int kPoints = 2000;
     for (int i = 0; i < kPoints; ++i) {
-        SurfacePoint point = PointAt(built, -0.9f + 1.8f * static_cast<Float>(i) / kPoints, 0.3f);
+        SurfacePoint point = PointAt(built, -0.9f + 1.8f * Float(i) / kPoints, 0.3f);
         SampledWavelengths lambda = kLambda;
         const Bsdf bsdf = ComputeBsdf(*built.scene, point, lambda);
         const Float albedo = Pi * bsdf.F(point.wo, Normalize(Vector3(1, 0, 1))).Average();

@@ -83,8 +83,7 @@ TEST(Names, MustNotBeEmptyAndMustBeUtf8) {
     ExpectWorldError("NamedMaterial '' Shape 's'", 2, 14, "must not be empty");
     for (const char *directive : {"NamedMaterial", "MakeNamedMaterial", "MakeNamedMedium", "CoordinateSystem",
                                   "CoordSysTransform", "ObjectBegin", "ObjectInstance", "Texture", "MediumInterface"})
-        ExpectWorldError(fmt::format("\n{} 'm\xe9tal'", directive), 3,
-                         static_cast<int>(std::string(directive).size()) + 1, "UTF-8");
+        ExpectWorldError(fmt::format("\n{} 'm\xe9tal'", directive), 3, int(std::string(directive).size()) + 1, "UTF-8");
 }
 
 TEST(Names, NamedThingsNeedAType) {
@@ -195,7 +194,7 @@ TEST(Blocks, NestingHasALimit) {
     for (size_t i = 0; i <= most; ++i) text += "AttributeBegin\n";
     const Parsed parsed = Parse("WorldBegin\n" + text);
     ASSERT_EQ(parsed.sink.All().size(), 1u);
-    EXPECT_EQ(parsed.sink.All()[0].loc.line, static_cast<int>(most) + 2);
+    EXPECT_EQ(parsed.sink.All()[0].loc.line, int(most) + 2);
     ExpectWords(parsed.sink.All()[0].message, {"131072"});
 }
 

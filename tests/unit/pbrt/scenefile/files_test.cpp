@@ -115,7 +115,7 @@ TEST_F(SceneFiles, ImportGetsACopyOfTheState) {
     ASSERT_EQ(scene.shapes.size(), 4u);
     const ShapeEntity &changed = scene.shapes[1];
     EXPECT_EQ(changed.ctm.start, Transform::Translate({1, 1, 0}));
-    EXPECT_EQ(scene.materials.at(static_cast<size_t>(changed.material.index)).type, "p");
+    EXPECT_EQ(scene.materials.at(size_t(changed.material.index)).type, "p");
     EXPECT_TRUE(changed.reverseOrientation);
     EXPECT_EQ(FloatOf(changed.params, "r", 0), 2);
     for (size_t i : {0, 2}) {  // at the beginning of the imported file, and after it in its importer

@@ -78,7 +78,7 @@ TEST(Parameters, LongListsKeepEveryNumber) {
     for (int i = 0; i < 100000; ++i) text += fmt::format(" {}", i) + (i % 1000 == 0 ? " # c\n" : "");
     Param p = Only(text + "]");
     ASSERT_EQ(p.floats.size(), 100000u);
-    for (int i = 0; i < 100000; ++i) ASSERT_EQ(p.floats[static_cast<size_t>(i)], static_cast<Float>(i));
+    for (int i = 0; i < 100000; ++i) ASSERT_EQ(p.floats[i], Float(i));
     EXPECT_EQ(p.floats.capacity(), p.floats.size());
 }
 

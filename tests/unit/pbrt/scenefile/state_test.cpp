@@ -140,10 +140,10 @@ TEST(State, MaterialsAreReferredToByIndexOrName) {
     EXPECT_EQ(scene.shapes[0].material.index, -1);
     EXPECT_EQ(scene.shapes[0].material.name, "");
     EXPECT_EQ(scene.shapes[1].material.name, "n") << "a material may be used before it is defined";
-    EXPECT_EQ(scene.materials.at(static_cast<size_t>(scene.shapes[2].material.index)).type, "a");
+    EXPECT_EQ(scene.materials.at(size_t(scene.shapes[2].material.index)).type, "a");
     EXPECT_EQ(scene.shapes[3].material.index, scene.shapes[2].material.index);
     EXPECT_EQ(scene.shapes[3].material.name, "");
-    EXPECT_EQ(scene.materials.at(static_cast<size_t>(scene.shapes[4].material.index)).type, "b");
+    EXPECT_EQ(scene.materials.at(size_t(scene.shapes[4].material.index)).type, "b");
     EXPECT_EQ(scene.materials[1].name, "n");
     EXPECT_EQ(scene.materials[1].type, "conductor");
 }

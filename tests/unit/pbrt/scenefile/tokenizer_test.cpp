@@ -162,10 +162,10 @@ TEST(ScanFloat, AgreesWithStrtofOnRandomNumbers) {
     uint64_t state = 12345;
     for (int i = 0; i < 20000; ++i) {
         state = state * 6364136223846793005u + 1442695040888963407u;
-        const auto f = std::bit_cast<float>(static_cast<uint32_t>(state >> 32));
+        const auto f = std::bit_cast<float>(uint32_t(state >> 32));
         if (!std::isfinite(f)) continue;
         char text[64];
-        std::snprintf(text, sizeof text, i % 3 == 0 ? "%.9g" : i % 3 == 1 ? "%.4e" : "%.17g", static_cast<double>(f));
+        std::snprintf(text, sizeof text, i % 3 == 0 ? "%.9g" : i % 3 == 1 ? "%.4e" : "%.17g", double(f));
         ASSERT_EQ(WholeFloat(text), std::strtof(text, nullptr)) << text;
     }
 }

@@ -29,7 +29,7 @@ SampledSpectrum DirectLightIntegrator::Li(const PathStart &start, SampledWavelen
                               });
         if (light) L += light->F() * light->sample.L / light->Pdf();
     }
-    return L / static_cast<Float>(shadowRays_);
+    return L / Float(shadowRays_);
 }
 
 }  // namespace pbrt

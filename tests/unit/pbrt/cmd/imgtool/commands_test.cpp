@@ -219,8 +219,8 @@ TEST_F(Imgtool, MakeequiareaShowsEveryDirectionItsColour) {
     constexpr int kWidth = 256;
     auto color = [](const Vector3 &w, int c) { return 1 + w[c] + 2 * w.x * w.y * w[c]; };
     WriteImage(Path("a.exr"), RgbImage({kWidth, kWidth / 2}, [&](int x, int y) {
-                   const Float theta = (static_cast<Float>(y) + 0.5f) / (kWidth / 2) * Pi;
-                   const Float phi = (static_cast<Float>(x) + 0.5f) / kWidth * 2 * Pi;
+                   const Float theta = (Float(y) + 0.5f) / (kWidth / 2) * Pi;
+                   const Float phi = (Float(x) + 0.5f) / kWidth * 2 * Pi;
                    const Vector3 w(std::sin(theta) * std::cos(phi), std::sin(theta) * std::sin(phi), std::cos(theta));
                    return Rgb(color(w, 0), color(w, 1), color(w, 2));
                }));
@@ -229,7 +229,7 @@ TEST_F(Imgtool, MakeequiareaShowsEveryDirectionItsColour) {
     for (auto [file, size, tolerance] : {std::tuple("b.exr", kWidth, 0.003f), std::tuple("small.exr", 37, 0.05f)}) {
         const Image b = ReadImage(Path(file)).image;
         ASSERT_EQ(b.Resolution(), Point2i(size));
-        ForEachValue(b, [&, side = static_cast<Float>(size), most = tolerance](Point2i p, int c) {
+        ForEachValue(b, [&, side = Float(size), most = tolerance](Point2i p, int c) {
             const Vector3 w = EqualAreaSquareToSphere((Point2(p) + Point2(0.5f)) / side);
             ASSERT_NEAR(b.Get(p, c), color(w, c), most) << p.x << " " << p.y;
         });

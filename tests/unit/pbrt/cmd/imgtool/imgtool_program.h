@@ -33,7 +33,7 @@ class Imgtool : public test::Program {
     using Program::Write;
     /// Grey values side by side.
     void WriteRow(const std::string &name, const std::vector<Float> &values) const {
-        Image image(PixelFormat::Float, {static_cast<int>(values.size()), 1}, {"Y"});
+        Image image(PixelFormat::Float, {int(values.size()), 1}, {"Y"});
         std::copy(values.begin(), values.end(), static_cast<float *>(image.Data()));
         WriteImage(Path(name), image);
     }

@@ -390,8 +390,7 @@ TEST_F(Imgtool, FalsecolorOrdersValuesAndMarksInvalidOnes) {
 // One bright lamp must not make the rest of the room black.
 TEST_F(Imgtool, FalsecolorShowsTheImageAndNotItsBrightestPixels) {
     Image image(PixelFormat::Float, {50, 40}, {"Y"});
-    ForEachPixel(image,
-                 [&](Point2i p) { image.Set(p, 0, p.y == 0 && p.x < 15 ? 1000 : static_cast<Float>(p.x + 1) / 50); });
+    ForEachPixel(image, [&](Point2i p) { image.Set(p, 0, p.y == 0 && p.x < 15 ? 1000 : Float(p.x + 1) / 50); });
     WriteImage(Path("a.exr"), image);
     ExpectWords(Run("falsecolor a.exr f.png").out, {"f.png: 0 to 1", "99 %", "1000"});
     const Image shown = ReadImage(Path("f.png")).image;

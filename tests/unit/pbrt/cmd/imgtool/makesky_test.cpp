@@ -10,7 +10,7 @@ using imgtool::PreethamSky;
 
 namespace {
 
-double Lux(const Xyz &irradiance) { return static_cast<double>(irradiance.y) * PreethamSky::CandelasPerY; }
+double Lux(const Xyz &irradiance) { return double(irradiance.y) * PreethamSky::CandelasPerY; }
 double SunSolidAngle() { return 2 * double(Pi) * (1 - std::cos(PreethamSky::SunRadius)); }
 double SunLux(const PreethamSky &sky) { return Lux(sky.SunRadiance()) * SunSolidAngle(); }
 
@@ -20,7 +20,7 @@ TEST(PreethamSky, ZenithIsThatOfThePaper) {
     const PreethamSky sky(45, 3, 0);
     const Xyz zenith = sky.Radiance({0, 0, 1});
     // Appendix A.2, computed by hand: (4.0453 * 3 - 4.9710) tan((4/9 - 3/120) 90 deg) - 0.2155 * 3 + 2.4192 kcd/m^2.
-    EXPECT_NEAR(static_cast<double>(zenith.y) * PreethamSky::CandelasPerY, 7321, 3);
+    EXPECT_NEAR(double(zenith.y) * PreethamSky::CandelasPerY, 7321, 3);
     const Float sum = zenith.x + zenith.y + zenith.z;
     EXPECT_NEAR(zenith.x / sum, 0.2457f, 5e-4f);
     EXPECT_NEAR(zenith.y / sum, 0.2515f, 5e-4f);
@@ -71,10 +71,9 @@ TEST_F(Imgtool, MakeskyHoldsTheModelAndAllOfTheSun) {
         ASSERT_EQ(file.image.Resolution(), Point2i(size));
         double light = 0;
         ForEachPixel(file.image, [&](Point2i p) {
-            const Vector3 w = EqualAreaSquareToSphere((Point2(p) + Point2(0.5f)) / static_cast<Float>(size));
+            const Vector3 w = EqualAreaSquareToSphere((Point2(p) + Point2(0.5f)) / Float(size));
             const Rgb rgb = RgbAt(file.image, p), expected = aces.ToRgb(sky.Radiance(w));
-            if (AngleBetween(w, sky.SunDirection()) < 0.15f)
-                light += static_cast<double>((aces.ToXyz(rgb) - sky.Radiance(w)).y);
+            if (AngleBetween(w, sky.SunDirection()) < 0.15f) light += double((aces.ToXyz(rgb) - sky.Radiance(w)).y);
             else
                 for (int c = 0; c < 3; ++c) ASSERT_NEAR(rgb[c], expected[c], 1e-3f * expected[c] + 1e-6f);
         });

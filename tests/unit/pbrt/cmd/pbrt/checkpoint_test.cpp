@@ -136,7 +136,7 @@ TEST_F(Checkpoints, DamagedFilesAreErrors) {
     for (size_t i = 0; i < 6; ++i) {
         const size_t at = whole.size() * i / 6;
         std::string changed = whole;
-        changed[at + 20] = static_cast<char>(changed[at + 20] ^ 1);
+        changed[at + 20] = char(changed[at + 20] ^ 1);
         Write(fmt::format("bad{}", i), changed);
         Write(fmt::format("cut{}", i), whole.substr(0, at));
         for (const char *bad : {"bad", "cut"}) {

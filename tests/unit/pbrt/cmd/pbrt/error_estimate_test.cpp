@@ -22,7 +22,7 @@ class GrowingPicture {
         LiveImage picture{Image(PixelFormat::Float, {kSide, kSide}, {"R", "G", "B"}), LiveImage::State::Growing,
                           samples, ++version_};
         auto *values = static_cast<float *>(picture.colors.Data());
-        for (size_t i = 0; i < sums_.size(); ++i) values[i] = static_cast<float>(sums_[i] / taken_);
+        for (size_t i = 0; i < sums_.size(); ++i) values[i] = float(sums_[i] / taken_);
         return std::make_shared<const LiveImage>(std::move(picture));
     }
     /// relL2 of the picture as it is, to the true means.
@@ -33,11 +33,11 @@ class GrowingPicture {
             const double d = sums_[i] / taken_ - Mean(i);
             sum += d * d / (Mean(i) * Mean(i) + kEpsilon);
         }
-        return sum / static_cast<double>(sums_.size());
+        return sum / double(sums_.size());
     }
 
   private:
-    static double Mean(size_t i) { return 1 + static_cast<double>(i % 3); }
+    static double Mean(size_t i) { return 1 + double(i % 3); }
     std::mt19937 random_;
     std::vector<double> sums_;
     int taken_ = 0, version_ = 0;

@@ -262,7 +262,7 @@ size_t CountOf(const std::string &text, const std::string &part) {
 
 int IntOf(const ImageFile &file, const std::string &attribute) { return AttributeOf<int>(file, attribute); }
 double NumberOf(const ImageFile &file, const std::string &attribute) {
-    return static_cast<double>(AttributeOf<float>(file, attribute));
+    return double(AttributeOf<float>(file, attribute));
 }
 std::string TextOf(const ImageFile &file, const std::string &attribute) {
     return AttributeOf<std::string>(file, attribute);

@@ -77,6 +77,12 @@ Curves::Curves(CurveKind kind, std::vector<Segment> segments, std::vector<Normal
             s.width1 *= scale;
         }
         for (Normal3 &n : normals_) n = renderFromObject.Normal(n);
+        errorOfWidth_ = Vector3(0);
+        for (int axis = 0; axis < 3; ++axis) {
+            Vector3 unit(0);
+            unit[axis] = 1 / scale;
+            errorOfWidth_ += Abs(renderFromObject.Vector(unit));
+        }
         if (renderFromObject.SwapsHandedness()) side_ = -1;
     } else {
         renderFromSegments_ = renderFromObject;
@@ -88,7 +94,8 @@ Curves::Curves(CurveKind kind, std::vector<Segment> segments, std::vector<Normal
 
 bool Curves::Append(const Curves &other) {
     if (kind_ != other.kind_ || side_ != other.side_ || normalSide_ != other.normalSide_ ||
-        isPlaced_ != other.isPlaced_ || !(renderFromSegments_ == other.renderFromSegments_))
+        isPlaced_ != other.isPlaced_ || errorOfWidth_ != other.errorOfWidth_ ||
+        !(renderFromSegments_ == other.renderFromSegments_))
         return false;
     size_t first = segments_.size();
     if (first + other.segments_.size() >= size_t(1) << 27) return false;
@@ -266,7 +273,7 @@ SurfacePoint Curves::SurfaceOnRay(uint32_t primitive, const PrimitiveHit &hit, c
     s.primitive = primitive;
     s.uv = {hit.u, hit.v};
     s.p = o + d * hit.t;
-    s.pError = Vector3(width);
+    s.pError = width * errorOfWidth_;
     s.dpdu = dpdu;
     s.dpdv = dpdv;
     if (!isPlaced_) {

@@ -51,7 +51,8 @@ enum class CurveKind { Flat, Cylinder, Ribbon };
 
 /// Curve segments as ray-facing strips, as in stock pbrt-v4. A ray hits a segment where it passes, in projection, at
 /// less than half the width; the hit has the distance of the curve itself. u runs along each segment, v across (hits
-/// are (u, v)). The error bound is the width at the hit, as in stock, which offsets outgoing rays.
+/// are (u, v)). The error bound is the width at the hit, per axis of object space, as in stock; it offsets outgoing
+/// rays.
 ///
 /// Segments are subdivided by stock's flatness rule (to 5 % of the width, at least 2^splitDepth parts), because its
 /// errors in u and v are visible. Each segment is one or several primitives, for tight bounds. As in stock, curves are
@@ -101,7 +102,8 @@ class Curves final : public Shape {
     /// From the segments' space. Identity if renderFromObject scales uniformly: then segments are in rendering space.
     Transform renderFromSegments_;
     bool isPlaced_;
-    Float side_ = 1;  ///< -1 if the segments' space mirrors object space
+    Vector3 errorOfWidth_{1};  ///< half extents, in the segments' space, of an object space box of half extents 1
+    Float side_ = 1;           ///< -1 if the segments' space mirrors object space
     Float normalSide_;
 };
 

@@ -215,6 +215,8 @@ TEST(Curves, TransformedCurvesAreHitLikeTransformedRays) {
                                  y = placed.SurfaceOnRay(pb, *b, {t.Point(o), t.Vector(d)});
                     EXPECT_LT(Distance(t.Vector(x.dpdu), y.dpdu), 0.05f);
                     EXPECT_LT(Distance(t.Vector(x.dpdv), y.dpdv), 0.02f);
+                    // Light samples depend on it, so an instance of a wide curve looks like a copy.
+                    EXPECT_LT(Distance(TransformSurface(t, x).pError, y.pError), 0.01f * Length(y.pError));
                     // A mirroring transform flips the normals of its shape; the transform of the normal undoes that.
                     EXPECT_GT(Dot(Normalize(Cross(y.dpdu, y.dpdv)), y.n), 0.999f);
                 }
@@ -240,6 +242,7 @@ TEST(Curves, AppendedCurvesAreOneShape) {
     EXPECT_FALSE(one.Append(Curves(CurveKind::Flat, {a}, {}, Transform(), true)));
     EXPECT_FALSE(one.Append(Curves(CurveKind::Flat, {a}, {}, Transform::Scale({1, 1, -1}), false)));
     EXPECT_FALSE(one.Append(Curves(CurveKind::Flat, {a}, {}, Transform::Scale({1, 2, 1}), false)));
+    EXPECT_FALSE(one.Append(Curves(CurveKind::Flat, {a}, {}, Transform::Rotate(30, {1, 2, 3}), false)));
 }
 
 TEST(CubicBezier, SplinesOfEveryBasisGoThroughTheirOwnPoints) {

@@ -157,7 +157,7 @@ class SppmIntegrator final : public PixelIntegrator {
                 (photon.isOneColour ? ofOneColour : all) += bsdf.F(point.wo, photon.wi) * photon.power;
         });
         first += beta[0] * ofOneColour[0] * perArea_;
-        return beta * all * perArea_;
+        return beta * (all * perArea_);
     }
 
     /// Policy of camera paths: at surfaces with a diffuse lobe, photons provide all scattered light except the emission

@@ -33,7 +33,9 @@ class Params {
     }
     /// As an Attribute directive gives it.
     Params &Default(ParamType type, const std::string &name, std::vector<Float> v) {
-        Param p = FloatParam(name, std::move(v), type);
+        return Default(FloatParam(name, std::move(v), type));
+    }
+    Params &Default(Param p) {
         p.loc = Loc(++lines_);
         set_.AddDefault(std::move(p));
         return *this;

@@ -18,8 +18,8 @@ class TrowbridgeReitz {
         }
     }
 
-    /// Remaps the "roughness" of scene files to alpha.
-    static Float RoughnessToAlpha(Float roughness) { return std::sqrt(roughness); }
+    /// Remaps the "roughness" of scene files to alpha. Textures may be negative, which counts as 0.
+    static Float RoughnessToAlpha(Float roughness) { return SafeSqrt(roughness); }
     bool EffectivelySmooth() const { return std::max(alphaX_, alphaY_) < Float(1e-3); }
     Float AlphaX() const { return alphaX_; }
     Float AlphaY() const { return alphaY_; }

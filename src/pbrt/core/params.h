@@ -121,9 +121,13 @@ class ParamSet {
 
     /// The applicable parameter of that name and type, or of any type; nullptr if there is none.
     const Param *Find(std::string_view name, std::optional<ParamType> type = {}) const {
+        return FindIf(name, [type](ParamType t) { return !type || t == *type; });
+    }
+    /// The applicable one among the parameters of that name whose type satisfies `accepts`.
+    const Param *FindIf(std::string_view name, auto accepts) const {
         for (const std::vector<Param> *list : {&params_, &defaults_})
             for (auto p = list->rbegin(); p != list->rend(); ++p)
-                if (p->name == name && (!type || p->type == *type)) return &*p;
+                if (p->name == name && accepts(p->type)) return &*p;
         return nullptr;
     }
     bool Has(std::string_view name) const { return Find(name) != nullptr; }

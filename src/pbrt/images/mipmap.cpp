@@ -246,7 +246,7 @@ MipMap::MipMap(Image image, const ColorSpace *colorSpace, TextureFilter filter, 
     view_.decode = base.Format() == PixelFormat::U8 ? ByteCode::Of(base.Encoding()).DecodeTable() : nullptr;
     view_.filter = filter;
     view_.wrap = wrap;
-    view_.maxAnisotropy = std::max(maxAnisotropy, Float(1));
+    view_.maxAnisotropy = maxAnisotropy;
     for (const Image &level : pixels->levels)
         view_.levels.push_back({level.Data(), level.Resolution().x, level.Resolution().y});
     size_t big = 0;
@@ -267,7 +267,7 @@ MipMap::MipMap(Image image, const ColorSpace *colorSpace, TextureFilter filter, 
 MipMap::MipMap(const MipMap &image, TextureFilter filter, Float maxAnisotropy)
     : pixels_(image.pixels_), colorSpace_(image.colorSpace_), view_(image.view_) {
     view_.filter = filter;
-    view_.maxAnisotropy = std::max(maxAnisotropy, Float(1));
+    view_.maxAnisotropy = maxAnisotropy;
 }
 
 Float MipMap::LookupFloat(Point2 st, Vector2 dst0, Vector2 dst1) const {

@@ -81,8 +81,9 @@ class MediaThroughput : public SpectralWeights {
 struct NoGathering {
     static constexpr bool IsLastRay() { return false; }
     static constexpr bool GathersAt(const PathVertex &) { return false; }
-    static SampledSpectrum At(const PathVertex &, const SampledWavelengths &, int) { return SampledSpectrum(0); }
+    static SampledSpectrum At(const PathVertex &, const SampledSpectrum &, int) { return SampledSpectrum(0); }
     void Leave(const PathVertex &, const BsdfSample &) {}
+    void End(SampledSpectrum &, const SampledWavelengths &) {}
 };
 
 /// Camera path with next-event estimation: the algorithm of path, volpath and the camera pass of sppm. Three policies:
@@ -116,6 +117,7 @@ class CameraPath {
     SampledSpectrum Follow() {
         while (Step()) {
         }
+        gathering_.End(L_, lambda_);
         directions_.End(L_);
         ++ThreadCounters().cameraPaths;
         return L_;
@@ -212,8 +214,7 @@ class CameraPath {
             directions_.BeginVertex(walk_.Vertex(), throughput_.Weight(), L_);
             AddDirectLight();
         }
-        if (gathering_.GathersAt(walk_.Vertex()))
-            L_ += throughput_.beta * gathering_.At(walk_.Vertex(), lambda_, depth_);
+        if (gathering_.GathersAt(walk_.Vertex())) L_ += gathering_.At(walk_.Vertex(), throughput_.beta, depth_);
         if (!Continues(directions_.ContinuationProbabilityAfterNee(throughput_.Weight().Average()))) return false;
         directions_.BeginScattering(throughput_.Weight(), L_);
 

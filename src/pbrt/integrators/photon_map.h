@@ -16,15 +16,6 @@ struct Photon {
     SampledSpectrum power{0};
     int scatterings = 0;       ///< of the light path before this vertex
     bool isOneColour = false;  ///< only the first wavelength counts, as after SampledWavelengths::TerminateSecondary
-
-    /// Power for a camera path with these wavelengths and the same first one.
-    SampledSpectrum PowerFor(bool pathIsOneColour) const {
-        if (!isOneColour || pathIsOneColour) return power;
-        // The density of the first wavelength was divided by their number; here it was not.
-        SampledSpectrum first(0);
-        first[0] = power[0] * Float(SpectrumSamples);
-        return first;
-    }
 };
 
 /// Spatial hash grid of photons. Query results are in deterministic order.

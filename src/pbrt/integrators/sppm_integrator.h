@@ -147,16 +147,17 @@ class SppmIntegrator final : public PixelIntegrator {
             walk.Scatter(*sample);
         }
     }
-    SampledSpectrum IndirectFromPhotons(const PathVertex &vertex, const SampledWavelengths &lambda,
-                                        int scatterings) const {
+    /// Returns the radiance scattered from photons of all wavelengths. Adds that from photons of one colour to `first`.
+    SampledSpectrum IndirectFromPhotons(const PathVertex &vertex, const SampledSpectrum &beta, int scatterings,
+                                        Float &first) const {
         const auto &[point, bsdf] = vertex;
-        const bool isOneColour = lambda.SecondaryTerminated();
-        SampledSpectrum sum(0);
+        SampledSpectrum all(0), ofOneColour(0);
         map_.ForEachAround(point.p, [&](const Photon &photon) {
             if (photon.scatterings + scatterings <= settings_.maxDepth)
-                sum += bsdf.F(point.wo, photon.wi) * photon.PowerFor(isOneColour);
+                (photon.isOneColour ? ofOneColour : all) += bsdf.F(point.wo, photon.wi) * photon.power;
         });
-        return sum * perArea_;
+        first += beta[0] * ofOneColour[0] * perArea_;
+        return beta * (all * perArea_);
     }
 
     /// Policy of camera paths: at surfaces with a diffuse lobe, photons provide all scattered light except the emission
@@ -166,16 +167,21 @@ class SppmIntegrator final : public PixelIntegrator {
         explicit PhotonGathering(const SppmIntegrator &integrator) : integrator_(integrator) {}
         bool IsLastRay() const { return isLastRay_; }
         bool GathersAt(const PathVertex &vertex) const { return Has(vertex.bsdf.Flags(), BxdfFlags::Diffuse); }
-        SampledSpectrum At(const PathVertex &vertex, const SampledWavelengths &lambda, int depth) const {
-            return integrator_.IndirectFromPhotons(vertex, lambda, depth);
+        SampledSpectrum At(const PathVertex &vertex, const SampledSpectrum &beta, int depth) {
+            return integrator_.IndirectFromPhotons(vertex, beta, depth, first_);
         }
         void Leave(const PathVertex &vertex, const BsdfSample &sample) {
             if (!IsSpecular(sample.flags)) isLastRay_ = GathersAt(vertex);
+        }
+        /// Termination, which may follow the gathering, divides the density of the first wavelength by their number.
+        void End(SampledSpectrum &L, const SampledWavelengths &lambda) const {
+            L[0] += lambda.SecondaryTerminated() ? first_ : first_ * Float(SpectrumSamples);
         }
 
       private:
         const SppmIntegrator &integrator_;
         bool isLastRay_ = false;
+        Float first_ = 0;  ///< radiance at the first wavelength, of photons that have no other
     };
 
     PathContext context_;

@@ -31,8 +31,8 @@ std::shared_ptr<SurfaceMaterial> MakeFibre(const HairShape &shape, auto absorpti
         // Roughnesses below 0.01 exceed single precision.
         const Float betaM = std::clamp(shape.betaM(point), Float(0.01), Float(1));
         const Float betaN = std::clamp(shape.betaN(point), Float(0.01), Float(1));
-        return HairBxdf(2 * point.uv.y - 1, shape.eta(point), absorption(point, betaN, lambda), betaM, betaN,
-                        shape.alpha(point));
+        const Float eta = std::max(shape.eta(point), Float(0));
+        return HairBxdf(2 * point.uv.y - 1, eta, absorption(point, betaN, lambda), betaM, betaN, shape.alpha(point));
     });
 }
 

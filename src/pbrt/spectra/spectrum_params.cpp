@@ -1,5 +1,7 @@
 #include "pbrt/spectra/spectrum_params.h"
 
+#include <algorithm>
+
 #include "pbrt/core/log.h"
 
 namespace pbrt {
@@ -100,20 +102,14 @@ SpectrumPtr SpectrumParam::Make(const FileResolver &files) const {
 
 /// The entity's own parameter overrides Attribute defaults, whose last applies. Own ones of two types are an error.
 void ReadParam(ParamReader &reader, const std::string &name, SpectrumParam &value) {
+    constexpr std::array kTypes = {ParamType::Float, ParamType::Rgb, ParamType::Blackbody, ParamType::Spectrum};
+    const auto types = std::span(kTypes).subspan(value.takesFloat ? 0 : 1);
     value.set = &reader.Set();
-    value.given = nullptr;
-    const Param *&chosen = value.given;
-    for (ParamType type : {ParamType::Float, ParamType::Rgb, ParamType::Blackbody, ParamType::Spectrum}) {
-        if (type == ParamType::Float && !value.takesFloat) continue;
-        const Param *p = reader.Take(name, type);
-        if (!p) continue;
-        if (chosen && !chosen->fromAttribute && !p->fromAttribute)
-            throw UserError(p->loc, "{}: \"{}\" is given both as \"{}\" and as \"{}\".", value.set->What(), name,
-                            Name(chosen->type), Name(p->type));
-        // Parameters of one list are contiguous, in scene order.
-        const bool isLater = chosen && chosen->fromAttribute == p->fromAttribute && p > chosen;
-        if (!chosen || (chosen->fromAttribute && !p->fromAttribute) || isLater) chosen = p;
-    }
+    value.given = value.set->FindIf(name, [&](ParamType type) { return std::ranges::count(types, type) > 0; });
+    for (ParamType type : types)
+        if (const Param *p = reader.Take(name, type); p && p != value.given && !p->fromAttribute)
+            throw UserError(value.given->loc, "{}: \"{}\" is given both as \"{}\" and as \"{}\".", value.set->What(),
+                            name, Name(p->type), Name(value.given->type));
 }
 
 void DocumentParam(ParamDoc &doc, const SpectrumParam &value) {

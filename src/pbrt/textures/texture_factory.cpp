@@ -10,14 +10,13 @@ namespace {
 
 /// Parameter that names a texture; nullptr if a value (one of `types`) applies or nothing is given.
 const Param *TakeReference(ParamReader &reader, const std::string &name, std::initializer_list<ParamType> types) {
-    const Param *own = nullptr;
-    for (const Param &p : reader.Set().Own())
-        if (p.name == name &&
-            (p.type == ParamType::Texture || std::find(types.begin(), types.end(), p.type) != types.end()))
-            own = &p;
-    const Param *reference = own && own->type != ParamType::Texture ? nullptr : reader.Take(name, ParamType::Texture);
-    if (reference) detail::RequireCount(reader.Set(), *reference, reference->strings.size(), 1);
-    return reference;
+    const Param *applicable = reader.Set().FindIf(name, [&](ParamType type) {
+        return type == ParamType::Texture || std::find(types.begin(), types.end(), type) != types.end();
+    });
+    if (applicable && applicable->type != ParamType::Texture) return nullptr;
+    reader.Declare(name, ParamType::Texture);
+    if (applicable) detail::RequireCount(reader.Set(), *applicable, applicable->strings.size(), 1);
+    return applicable;
 }
 
 constexpr const char *kWhyNoPtex =

@@ -70,6 +70,7 @@ TEST(TrowbridgeReitz, SmoothnessAndRegularisation) {
     EXPECT_FALSE(TrowbridgeReitz(0.0009f, 0.0011f).EffectivelySmooth());
     EXPECT_FLOAT_EQ(TrowbridgeReitz(0, 0.2f).AlphaX(), 1e-4f);
     EXPECT_FLOAT_EQ(TrowbridgeReitz::RoughnessToAlpha(0.09f), 0.3f);
+    EXPECT_EQ(TrowbridgeReitz::RoughnessToAlpha(-0.09f), 0);  // of textures such as fbm
     TrowbridgeReitz facets(0, 0.12f);
     facets.Regularize();
     EXPECT_FLOAT_EQ(facets.AlphaX(), 0.1f);

@@ -43,29 +43,6 @@ TEST(PhotonMap, LookUpsMatchALinearSearch) {
     empty.ForEachAround(Point3(0), [](const Photon &) { FAIL(); });
 }
 
-TEST(Photon, OfOneColourHasTheSameMeanForPathsOfAllColours) {
-    // The mean over the place of the first wavelength of what the film sums up: L over the density, divided by N.
-    for (bool photonIsOne : {false, true})
-        for (bool pathIsOne : {false, true}) {
-            double sum = 0, expected = 0;
-            constexpr int kCount = 4096;
-            for (int i = 0; i < kCount; ++i) {
-                SampledWavelengths lambda = SampledWavelengths::SampleVisible((Float(i) + 0.5f) / kCount);
-                Photon photon;
-                for (int k = 0; k < SpectrumSamples; ++k) {
-                    photon.power[k] = lambda[k] / 500;
-                    expected += double(photon.power[k] / lambda.PdfAt(k)) / SpectrumSamples;
-                }
-                photon.isOneColour = photonIsOne;
-                if (pathIsOne) lambda.TerminateSecondary();
-                const SampledSpectrum L = photon.PowerFor(pathIsOne);
-                for (int k = 0; k < SpectrumSamples; ++k)
-                    if (lambda.PdfAt(k) > 0) sum += double(L[k] / lambda.PdfAt(k)) / SpectrumSamples;
-            }
-            EXPECT_NEAR(sum / expected, 1, 1e-3) << photonIsOne << pathIsOne;
-        }
-}
-
 TEST(Sppm, RadiusShrinksAsPhotonsAreKept) {
     double square = 1;
     for (int i = 0; i < 500; ++i) {
@@ -91,6 +68,27 @@ INSTANTIATE_TEST_SUITE_P(All, SppmViews,
                                                        "Coat", "RoughGlass", "SmoothGlass", "ShadingNormals",
                                                        "DepthOne", "Mirror", "SkyAndGlass", "SkyOnly"})),
                          testing::PrintToStringParamName());
+
+/// Most rays that leave the floor meet the dispersive pane after the photons on it were gathered.
+TEST(Sppm, PhotonsThroughADispersivePaneCountOnce) {
+    const auto mean = [](const std::string &eta) {
+        const Objects objects = Objects()
+                                    .Attribute("", Objects().AreaLight("4 4 4").Quad("-1 3 -1  1 3 -1  -1 3 1  1 3 1"))
+                                    .Material("diffuse")
+                                    .Quad("-2 -2 -2  2 -2 -2  -2 -2 2  2 -2 2")
+                                    .Material("thindielectric", eta)
+                                    .Quad("-20 0 -20  20 0 -20  -20 0 20  20 0 20");
+        const std::string text = SceneText()
+                                     .Film(8, 8)
+                                     .Head("Sampler 'zsobol' 'integer pixelsamples' 64")
+                                     .Integrator("sppm", 3, "'float radius' .3 'integer photonsperiteration' 2000")
+                                     .LookAt("0 -1 3  0 -2 0  0 1 0")
+                                     .Camera(40)
+                                     .World(objects);
+        return ChannelStatistics(RenderText(text).image).mean;
+    };
+    EXPECT_NEAR(mean("'spectrum eta' [ 300 1.5 900 1.5 ]") / mean("'float eta' 1.5"), 1, 0.15);
+}
 
 /// Direct light is found by any light sampler, the octree's learning one included.
 TEST(Sppm, LightSamplersDoNotChangeTheMean) {

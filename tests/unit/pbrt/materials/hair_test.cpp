@@ -34,6 +34,8 @@ TEST_F(Hair, ShapeOfTheFibre) {
     const Float u = point_.uv.x;
     ExpectHair(Params().Texture("eumelanin", "u").Texture("beta_m", "u"), Unbounded(.419f * u, .697f * u, 1.37f * u),
                1.55f, u);
+    shop_.Define("negative", false, "bilerp", Ramp(-3, -2));
+    ExpectHair(Params(grey).Texture("eta", "negative"), Unbounded(.1f, .1f, .1f), 0);
 }
 
 TEST_F(Hair, TheFirstWayCountsAndTheOthersAreWarnedOf) {

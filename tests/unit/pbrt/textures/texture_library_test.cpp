@@ -128,6 +128,16 @@ TEST(TextureLibrary, OwnTextureBeatsAttributeValue) {
     EXPECT_EQ(b.GetFloat(attribute, "roughness", 0)->Constant(), 0.9f);
 }
 
+TEST(TextureLibrary, TheLaterOfTwoAttributeDefaultsWins) {
+    Bench b;
+    b.Define("half", false, "constant", Params().Number("value", 0.5f));
+    const Param texture = StringParam("roughness", "half", ParamType::Texture);
+    Params textureLast = Params("m").Default(ParamType::Float, "roughness", {0.9f}).Default(texture);
+    EXPECT_EQ(b.GetFloat(textureLast, "roughness", 0)->Constant(), 0.5f);
+    Params valueLast = Params("m").Default(texture).Default(ParamType::Float, "roughness", {0.9f});
+    EXPECT_EQ(b.GetFloat(valueLast, "roughness", 0)->Constant(), 0.9f);
+}
+
 TEST(TextureLibrary, ALongChainIsAnErrorAndNeverRecursesDeeply) {
     for (bool fromTheTop : {true, false}) {
         Bench b;

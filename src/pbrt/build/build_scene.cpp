@@ -21,12 +21,16 @@ Transform RenderFromWorld(const SceneDescription &d, const AnimatedTransform &wo
     std::string which =
         !options.renderCoordSys.empty() ? options.renderCoordSys : d.options.renderCoordSys.value_or("cameraworld");
     const Transform middle = worldFromCamera.At((d.camera.startTime + d.camera.endTime) / 2);
-    if (which == "camera") return middle.Inverse();
     if (which == "world") return {};
+    const Transform toCamera = Transform::Translate(-middle.Point(Point3(0)));
+    // Without the camera's scale and mirroring, which would change distances and the sides of surfaces.
+    const auto axis = [&](int i) { return Vector3(glm::normalize(glm::dvec3(middle.Matrix()[i]))); };
+    if (which == "camera")
+        return Product({Transform::LookAt(Point3(0), axis(2), axis(1)).value_or(Transform()), toCamera});
     if (which != "cameraworld")
         throw UserError("rendering coordinate system \"{}\" is unknown; {}.", which,
                         ListChoices(which, {"camera", "cameraworld", "world"}));
-    return Transform::Translate(-middle.Point(Point3(0)));
+    return toCamera;
 }
 
 /// Location of the instance or moving shape whose inverse transformation has the largest scale.

@@ -1,5 +1,6 @@
 #pragma once
 #include <map>
+#include <utility>
 #include <vector>
 
 #include "pbrt/build/collect.h"
@@ -159,7 +160,7 @@ class GeometryBuilder {
             if (e.ctm.IsAnimated()) {
                 w.motion = std::make_unique<const AnimatedTransform>(
                     MotionOf("the shape", e, place, Product({renderFromWorld_, e.ctm.end})));
-                place = Transform();
+                renderFromPlaced = std::exchange(place, Transform());
             } else if (w.object >= 0) {
                 const Transform &space = spaces_[w.object];
                 place = Product({space.Inverse(), e.ctm.start});
@@ -302,7 +303,7 @@ class GeometryBuilder {
             lightNames_.Add(emitters, fmt::format("AreaLightSource \"{}\"", light.type), light.loc, e.loc, primitive);
         }
         if (moving.empty()) return;
-        const int object = AddAccelObject(moving);
+        const int object = AddAccelObject(moving, w.motion->Start());
         if (definition) {
             Bounds3 bounds;
             for (ShapeId id : moving)

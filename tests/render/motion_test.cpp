@@ -41,7 +41,7 @@ std::string Scene(const std::vector<Float> &poses, bool cameraMoves) {
                        Objects().Sphere(0.4));
     return SceneText()
         .Head("TransformTimes 1 3\n" + Place(&Pose::Camera, camera))
-        .InWorldSpace()  // in which instances turn about its origin, as in stock pbrt-v4
+        .InWorldSpace()  // instances turn about the camera, which lies on the bar's axis
         .Camera("perspective", "'float fov' 40 'float shutteropen' 1.5 'float shutterclose' 2.5")
         .Film(kResolution.x, kResolution.y, "", "gbuffer")
         .Samples(1)
@@ -123,6 +123,37 @@ TEST(Motion, MomentsDiffer) {
             different += seen[0].has_value() != seen[1].has_value();
         }
         EXPECT_GT(different, kResolution.x * kResolution.y / 20);
+    }
+}
+
+TEST(Motion, InstancesMoveAlikeInEveryRenderingSpace) {
+    const auto hits = [](const std::string &space) {
+        const BuiltScene built = BuildText(SceneText()
+                                               .Head("Option 'rendercoordsys' '" + space + "'")
+                                               .LookAt("1 2 -6  0 0 0  0 1 0")
+                                               .Camera(40)
+                                               .Film(kResolution.x, kResolution.y)
+                                               .World(Objects()
+                                                          .Light("infinite")
+                                                          .Add("ObjectBegin 'bar'")
+                                                          .Quad("-0.3 -1 0  0.3 -1 0  -0.3 1 0  0.3 1 0")
+                                                          .Add("ObjectEnd ActiveTransform EndTime Translate 0.5 0 0 "
+                                                               "Rotate 70 0 0 1 ObjectInstance 'bar'")));
+        const SampledWavelengths lambda = SampledWavelengths::SampleVisible(0.5f);
+        std::vector<int> all;
+        for (int i = 0; i < kResolution.x * kResolution.y; ++i) {
+            const CameraSample sample{.pFilm = Point2(i % kResolution.x, i / kResolution.x), .time = 0.5f};
+            all.push_back(built.scene->Intersect(built.camera->GenerateRay(sample, lambda)->ray).has_value());
+        }
+        return all;
+    };
+    const std::vector<int> expected = hits("cameraworld");
+    EXPECT_GT(std::count(expected.begin(), expected.end(), 1), 30);
+    for (const char *space : {"camera", "world"}) {
+        const std::vector<int> found = hits(space);
+        int different = 0;
+        for (size_t i = 0; i < found.size(); ++i) different += found[i] != expected[i];
+        EXPECT_LE(different, 2) << space;  // rounding at the silhouette
     }
 }
 

@@ -15,18 +15,21 @@
 namespace pbrt {
 namespace {
 
-/// Rendering space: by default world space translated to the camera at the middle of the transform times.
-Transform RenderFromWorld(const SceneDescription &d, const AnimatedTransform &worldFromCamera,
-                          const BuildOptions &options) {
+/// Rendering space: by default world space translated to the camera. `middle`: world from camera at the middle of the
+/// transform times.
+Transform RenderFromWorld(const SceneDescription &d, const Transform &middle, const BuildOptions &options) {
     std::string which =
         !options.renderCoordSys.empty() ? options.renderCoordSys : d.options.renderCoordSys.value_or("cameraworld");
-    const Transform middle = worldFromCamera.At((d.camera.startTime + d.camera.endTime) / 2);
-    if (which == "camera") return middle.Inverse();
     if (which == "world") return {};
+    const Transform toCamera = Transform::Translate(-middle.Point(Point3(0)));
+    // Without the camera's scale and mirroring, which would change distances and the sides of surfaces.
+    const auto axis = [&](int i) { return Vector3(glm::normalize(glm::dvec3(middle.Matrix()[i]))); };
+    if (which == "camera")
+        return Product({Transform::LookAt(Point3(0), axis(2), axis(1)).value_or(Transform()), toCamera});
     if (which != "cameraworld")
         throw UserError("rendering coordinate system \"{}\" is unknown; {}.", which,
                         ListChoices(which, {"camera", "cameraworld", "world"}));
-    return Transform::Translate(-middle.Point(Point3(0)));
+    return toCamera;
 }
 
 /// Location of the instance or moving shape whose inverse transformation has the largest scale.
@@ -154,17 +157,18 @@ std::unique_ptr<TextureLibrary> MakeTextures(SceneDescription &d, const BuildOpt
 }
 
 /// Creates media, materials, shapes and lights; not ready for rays yet.
-SceneContents MakeContents(SceneDescription &d, const BuildOptions &options, const Transform &renderFromWorld,
+SceneContents MakeContents(SceneDescription &d, const BuildOptions &options, const Placement &placement,
                            TextureLibrary &textures, LightNames &lightNames, Bounds3 &receivers, DiagnosticSink &sink,
                            Progress &progress) {
+    const Transform &renderFromWorld = placement.renderFromWorld;
     BuiltMedia media = MakeMedia(d, renderFromWorld, sink);
     if (const std::string &type = IntegratorType(d.integrator, options);
         !media.media.empty() && !TraitsOf(type).rendersMedia) {
         sink.Warning({}, "integrator \"{}\" renders no media; \"volpath\" does.", type);
         media = {};
     }
-    GeometryBuilder geometry(d, renderFromWorld, !TraitsOf(IntegratorType(d.integrator, options)).passesInterfaces,
-                             media, textures, sink);
+    GeometryBuilder geometry(d, renderFromWorld, placement.eye,
+                             !TraitsOf(IntegratorType(d.integrator, options)).passesInterfaces, media, textures, sink);
     geometry.BuildMaterials();
     textures.CheckAll();
     progress.SetTotal(geometry.ShapeEntityCount());
@@ -227,7 +231,9 @@ Placement PlaceCamera(const SceneDescription &d, const BuildOptions &options, Di
         Placement p;
         p.worldFromCamera = MotionOf("Camera", d.camera, start.Inverse(), end.Inverse());
         RequireReach("Camera", p.worldFromCamera, Bounds3(Point3(0)), d.camera.loc);
-        p.renderFromWorld = RenderFromWorld(d, p.worldFromCamera, options);
+        const Transform middle = p.worldFromCamera.At((d.camera.startTime + d.camera.endTime) / 2);
+        p.eye = middle.Point(Point3(0));
+        p.renderFromWorld = RenderFromWorld(d, middle, options);
         p.renderFromCamera =
             MotionOf("Camera", d.camera, p.renderFromWorld * start.Inverse(), p.renderFromWorld * end.Inverse());
         placement = p;
@@ -310,8 +316,8 @@ BuiltScene BuildScene(SceneDescription &d, const BuildOptions &given, const Plug
     if (options.displacementEdgeScale) d.options.displacementEdgeScale = options.displacementEdgeScale;
     built.textures = MakeTextures(d, options, placement.renderFromWorld, sink);
     Bounds3 receivers;
-    SceneContents contents = MakeContents(d, options, placement.renderFromWorld, *built.textures, built.lightNames,
-                                          receivers, sink, progress);
+    SceneContents contents =
+        MakeContents(d, options, placement, *built.textures, built.lightNames, receivers, sink, progress);
     ThrowIfErrors(sink, checked);
     built.scene = MakeScene(std::move(contents), receivers, d, sink);
 

@@ -55,6 +55,7 @@ struct BuildOptions {
 struct Placement {
     Transform renderFromWorld;
     AnimatedTransform worldFromCamera, renderFromCamera;
+    Point3 eye{};  ///< of the camera at the middle of the transform times, in world space
 };
 
 /// Errors go to the sink.

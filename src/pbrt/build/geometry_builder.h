@@ -1,5 +1,6 @@
 #pragma once
 #include <map>
+#include <utility>
 #include <vector>
 
 #include "pbrt/build/collect.h"
@@ -33,11 +34,11 @@ inline bool IsDisplaceable(const std::string &shape) {
 /// Builds materials, shapes, area lights, objects and instances. Errors are collected in the sink.
 class GeometryBuilder {
   public:
-    /// `interfacesBlock`: interface surfaces block shadow rays. `media`: named by shapes.
-    GeometryBuilder(SceneDescription &description, const Transform &renderFromWorld, bool interfacesBlock,
-                    const BuiltMedia &media, TextureLibrary &textures, DiagnosticSink &sink)
-        : description_(description), renderFromWorld_(renderFromWorld), interfacesBlock_(interfacesBlock),
-          media_(media), textures_(textures), sink_(sink) {
+    /// `eye`: Placement::eye. `interfacesBlock`: interface surfaces block shadow rays. `media`: named by shapes.
+    GeometryBuilder(SceneDescription &description, const Transform &renderFromWorld, const Point3 &eye,
+                    bool interfacesBlock, const BuiltMedia &media, TextureLibrary &textures, DiagnosticSink &sink)
+        : description_(description), renderFromWorld_(renderFromWorld), eyeFromWorld_(Transform::Translate(-eye)),
+          interfacesBlock_(interfacesBlock), media_(media), textures_(textures), sink_(sink) {
         contents_.accel = std::make_unique<Accel>();
         contents_.lights = std::make_unique<LightTable>();
         work_.reserve(description_.shapes.size());
@@ -136,7 +137,7 @@ class GeometryBuilder {
         std::vector<ShapeId> still;  ///< in spaces_
         struct Moving {
             int object;
-            AnimatedTransform renderFromObject;
+            AnimatedTransform eyeFromObject;
             Bounds3 bounds;  ///< at both ends of the motion
         };
         std::vector<Moving> moving;
@@ -157,9 +158,10 @@ class GeometryBuilder {
         Collect(w.sink, [&] {
             Transform place = Product({renderFromWorld_, e.ctm.start}), renderFromPlaced;
             if (e.ctm.IsAnimated()) {
+                const Transform &fromWorld = w.object >= 0 ? eyeFromWorld_ : renderFromWorld_;
                 w.motion = std::make_unique<const AnimatedTransform>(
-                    MotionOf("the shape", e, place, Product({renderFromWorld_, e.ctm.end})));
-                place = Transform();
+                    MotionOf("the shape", e, Product({fromWorld, e.ctm.start}), Product({fromWorld, e.ctm.end})));
+                renderFromPlaced = std::exchange(place, Transform());
             } else if (w.object >= 0) {
                 const Transform &space = spaces_[w.object];
                 place = Product({space.Inverse(), e.ctm.start});
@@ -302,7 +304,7 @@ class GeometryBuilder {
             lightNames_.Add(emitters, fmt::format("AreaLightSource \"{}\"", light.type), light.loc, e.loc, primitive);
         }
         if (moving.empty()) return;
-        const int object = AddAccelObject(moving);
+        const int object = AddAccelObject(moving, Product({renderFromWorld_, e.ctm.start}));
         if (definition) {
             Bounds3 bounds;
             for (ShapeId id : moving)
@@ -334,29 +336,29 @@ class GeometryBuilder {
         struct Placeable {
             const Definition *definition;
             int still;       ///< accel object, -1: none
-            Bounds3 bounds;  ///< of all its shapes, in the definition's space
+            Bounds3 bounds;  ///< of all its shapes
             const Transform *space;
         };
         std::map<std::string, Placeable> byName;
         for (size_t o = 0; o < definitions.size(); ++o) {
             const Definition &d = definitions[o];
             Bounds3 bounds;
-            const Transform place = Product({renderFromWorld_, spaces_[o]});
+            const Transform place = Product({eyeFromWorld_, spaces_[o]});
             for (ShapeId id : d.still)
                 bounds = Union(bounds, TransformBounds(place, BoundsOf(*contents_.shapes[id.value].shape)));
             for (const Definition::Moving &m : d.moving) bounds = Union(bounds, m.bounds);
-            byName[description_.objects[o].name] = {&d, d.still.empty() ? -1 : AddAccelObject(d.still, place), bounds,
-                                                    &spaces_[o]};
+            const int still = d.still.empty() ? -1 : AddAccelObject(d.still, Product({renderFromWorld_, spaces_[o]}));
+            byName[description_.objects[o].name] = {&d, still, bounds, &spaces_[o]};
         }
-        // Motions are interpolated in rendering space, as in stock.
-        const Transform worldFromRender = renderFromWorld_.Inverse();
+        // Motions turn about the camera, as in stock's default rendering space, and so are the same in all.
+        const Transform worldFromEye = eyeFromWorld_.Inverse();
         for (const InstanceEntity &i : description_.instances) {
             auto it = byName.find(i.name);
             if (it == byName.end()) continue;
             Collect(sink_, [&] {
                 const AnimatedTransform motion =
-                    MotionOf("the instance", i, Product({renderFromWorld_, i.ctm.start, worldFromRender}),
-                             Product({renderFromWorld_, i.ctm.end, worldFromRender}));
+                    MotionOf("the instance", i, Product({renderFromWorld_, i.ctm.start, worldFromEye}),
+                             Product({renderFromWorld_, i.ctm.end, worldFromEye}));
                 RequireReach(fmt::format("the instance of \"{}\"", Abbreviate(i.name)), motion, it->second.bounds,
                              i.loc);
                 if (motion.Start().IsSingular()) {  // hides an object, as in stock
@@ -369,13 +371,12 @@ class GeometryBuilder {
                 if (it->second.still >= 0) {
                     const Transform &space = *it->second.space;
                     if (motion.IsAnimated())
-                        contents_.accel->AddMovingInstance(it->second.still, motion,
-                                                           Product({renderFromWorld_, space}));
+                        contents_.accel->AddMovingInstance(it->second.still, motion, Product({eyeFromWorld_, space}));
                     else
                         contents_.accel->AddInstance(it->second.still, Product({renderFromWorld_, i.ctm.start, space}));
                 }
                 for (const Definition::Moving &m : it->second.definition->moving)
-                    contents_.accel->AddMovingInstance(m.object, motion, m.renderFromObject);
+                    contents_.accel->AddMovingInstance(m.object, motion, m.eyeFromObject);
             });
         }
     }
@@ -385,6 +386,7 @@ class GeometryBuilder {
 
     SceneDescription &description_;
     Transform renderFromWorld_;
+    Transform eyeFromWorld_;  ///< to the space in which object definitions and their motions lie
     bool interfacesBlock_;
     const BuiltMedia &media_;
     TextureLibrary &textures_;

@@ -179,10 +179,11 @@ void AddLightPathIntegrators(IntegratorTable &t) {
          .passesInterfaces = true,
          .samplesPixels = false},
         ReadMlt);
-    AddShooting<SppmParams>(t, "sppm",
-                            "surfaces only; only here: light samplers as path; **differs**: the radius shrinks with "
-                            "the iteration, the same in every pixel; `maxdepth` limits the whole path",
-                            {.hasLightSampler = true}, ReadSppm);
+    AddShooting<SppmParams>(
+        t, "sppm",
+        "surfaces only; only here: light samplers as path; **differs**: the radius shrinks with "
+        "the iteration, the same in every pixel; `maxdepth` limits the whole path; an iteration has one time",
+        {.hasLightSampler = true}, ReadSppm);
 }
 
 }  // namespace pbrt

@@ -113,28 +113,6 @@ std::vector<LensElement> ReadLens(const RealisticParams &p, const ParamSet &set,
     return elements;
 }
 
-class RotationToZ {
-  public:
-    explicit RotationToZ(const Vector3 &from) : flip_(from.z < -0.99f) {
-        Vector3 f = Flip(from);
-        axis_ = {f.y, -f.x, 0};  // f x z: sine of the angle times the axis
-        cosine_ = f.z;
-    }
-    Vector3 operator()(const Vector3 &v) const { return Turn(Flip(v), axis_); }
-    Vector3 Inverse(const Vector3 &v) const { return Flip(Turn(v, -axis_)); }
-
-  private:
-    /// Half turn about x, to avoid -z, where the smallest rotation is not unique.
-    Vector3 Flip(const Vector3 &v) const { return flip_ ? Vector3(v.x, -v.y, -v.z) : v; }
-    Vector3 Turn(const Vector3 &v, const Vector3 &axis) const {
-        Vector3 c = Cross(axis, v);
-        return v + c + Cross(axis, c) / (1 + cosine_);
-    }
-    bool flip_;
-    Vector3 axis_;
-    Float cosine_;
-};
-
 }  // namespace
 
 std::optional<CameraRay> Camera::GenerateRay(const CameraSample &sample, const SampledWavelengths &) const {
@@ -236,15 +214,18 @@ void Camera::ApproximateFootprint(const Point3 &p, const Normal3 &n, Float time,
     const Float distance = Length(inCamera);
     *dpdx = *dpdy = Vector3(0);
     if (!(distance > 0)) return;
-    RotationToZ rotation(inCamera / distance);
-    const Normal3 nz = rotation(t.InverseNormal(n));
+    // From near -z, where the smallest rotation to z is not unique, after a half turn about x.
+    const bool isBehind = inCamera.z < -0.99f * distance;
+    const auto turn = [&](const Vector3 &v) { return isBehind ? Vector3(v.x, -v.y, -v.z) : v; };
+    const Vector3 z(0, 0, 1), from = turn(inCamera / distance);
+    const Normal3 nz = RotateFromTo(from, z, turn(t.InverseNormal(n)));
     const Float scale = std::max(Float(0.125), 1 / std::sqrt(Float(samplesPerPixel)));
     // To the neighbouring ray's hit with the tangent plane.
     auto step = [&](const Vector3 &origin, const Vector3 &bend) {
-        const Vector3 d = Vector3(0, 0, 1) + bend;
+        const Vector3 d = z + bend;
         const Float along = (nz.z * distance - Dot(nz, origin)) / Dot(nz, d);
         const bool isHit = std::isfinite(along);
-        return t.Vector((isHit ? rotation.Inverse(origin + along * d - Vector3(0, 0, distance)) : Vector3(0)) * scale);
+        return t.Vector((isHit ? turn(RotateFromTo(z, from, origin + along * d - distance * z)) : Vector3(0)) * scale);
     };
     *dpdx = step(smallest_.positionX, smallest_.directionX);
     *dpdy = step(smallest_.positionY, smallest_.directionY);

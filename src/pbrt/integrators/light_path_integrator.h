@@ -49,7 +49,7 @@ class LightPathIntegrator final : public PixelIntegrator {
             const Float pdfPosition = chosen->pmf * left->pdfPosition;
             const bool hasSurface = left->n != Normal3(0);
             const auto mediumTowards = [&](const Vector3 &w) { return scene.MediumOfLight(chosen->light, left->n, w); };
-            if (hasSurface) {
+            if (hasSurface && !IsDelta(light.Kind())) {
                 const LightSampleContext from{left->p, left->pError, left->n, left->n, time_};
                 Splat(from, uFirst, mediumTowards, [&](const Vector3 &wi) {
                     // Surface radiance is equal in all emitting directions.

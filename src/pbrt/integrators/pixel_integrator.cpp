@@ -47,8 +47,8 @@ constexpr int64_t kStripsPerThread = 64;
 
 class PassRenderer {
   public:
-    PassRenderer(const PixelIntegrator &integrator, const RenderPass &pass, std::optional<Float> uWavelengths)
-        : integrator_(integrator), pass_(pass), cells_(pass.film.PixelBounds()), uWavelengths_(uWavelengths),
+    PassRenderer(const PixelIntegrator &integrator, const RenderPass &pass, std::optional<CommonNumbers> common)
+        : integrator_(integrator), pass_(pass), cells_(pass.film.PixelBounds()), common_(common),
           splats_(integrator.Splats()),
           alternates_(pass.adaptive && pass.adaptive->samplers.data() != pass.samplers.data()),
           needsVisible_(pass.film.NeedsVisibleSurface()),
@@ -117,9 +117,10 @@ class PassRenderer {
         FilmSample sample;
         sample.pixel = pixel;
         sampler.StartPixelSample(pixel, alternates_ ? AdaptiveSampleIndex(index, sampler.SamplesPerPixel()) : index);
-        const Float uOwn = sampler.Get1D(), uLambda = uWavelengths_.value_or(uOwn);
+        const Float uOwn = sampler.Get1D(), uLambda = common_ ? common_->wavelengths : uOwn;
         sample.lambda = pass_.film.SampleWavelengths(pass_.jittersWavelengths ? uLambda : Float(0.5));
         CameraSample cs = SampleCamera(pass_.filter, pixel, sampler);
+        if (common_) cs.time = common_->time;
         if (!pass_.jittersPixels) cs = {Point2(pixel) + Point2(0.5f, 0.5f), {0.5f, 0.5f}, 0.5f, 1};
         sample.weight = cs.filterWeight;
         if (std::optional<CameraRay> ray = pass_.camera.GenerateRay(cs, sample.lambda)) {
@@ -141,7 +142,7 @@ class PassRenderer {
     const PixelIntegrator &integrator_;
     const RenderPass &pass_;
     const PixelCells cells_;
-    const std::optional<Float> uWavelengths_;
+    const std::optional<CommonNumbers> common_;
     const bool splats_, alternates_, needsVisible_;
     const Float differentialScale_;
     std::atomic<uint64_t> halfPaths_ = 0;
@@ -211,7 +212,7 @@ bool RenderChunks(const RenderPass &pass, const PassChunks &chunks) {
 }
 
 bool PixelIntegrator::Render(const RenderPass &pass) {
-    PassRenderer renderer(*this, pass, CommonWavelengths());
+    PassRenderer renderer(*this, pass, Common());
     const PassStrips strips(pass);
     if (pass.adaptive && Splats()) pass.adaptive->half.ExpectSplats();
     const bool isComplete =

@@ -35,6 +35,11 @@ inline int AdaptiveSampleIndex(int sample, int setSize) {
     return i / setSize * 2 * setSize + sample % 2 * setSize + i % setSize;
 }
 
+/// Numbers that select the wavelengths and the time of all samples of a pass.
+struct CommonNumbers {
+    Float wavelengths = 0, time = 0;
+};
+
 /// Base of integrators that compute the radiance of one camera ray for its pixel.
 class PixelIntegrator : public Integrator {
   public:
@@ -44,8 +49,8 @@ class PixelIntegrator : public Integrator {
     virtual bool Splats() const { return false; }
 
   protected:
-    /// Number that selects the wavelengths of all samples of the pass; nothing: each sample has its own.
-    virtual std::optional<Float> CommonWavelengths() const { return std::nullopt; }
+    /// Nothing: each sample has its own.
+    virtual std::optional<CommonNumbers> Common() const { return std::nullopt; }
 };
 
 }  // namespace pbrt

@@ -47,11 +47,14 @@ class SppmIntegrator final : public PixelIntegrator {
         sampler.StartPixelSample({0, 0}, 0);
         const Float u[] = {sampler.Get1D(), sampler.Get1D(), sampler.Get1D(), sampler.Get1D()};
         seed_ = Hash(u[0], u[1], u[2], u[3], settings_.seed);
-        // All pixels share the error of few wavelength sets; even spacing minimizes it.
-        uWavelengths_ = RadicalInverse(2, uint64_t(pass.first)) + HashToFloat(seed_);
-        uWavelengths_ -= std::floor(uWavelengths_);
-        const SampledWavelengths lambda =
-            pass.film.SampleWavelengths(pass.jittersWavelengths ? uWavelengths_ : Float(0.5));
+        // All pixels share the error of few wavelength sets and times; even spacing minimizes it.
+        const auto spaced = [&](uint32_t base, Float shift) {
+            const Float shifted = RadicalInverse(base, uint64_t(pass.first)) + shift;
+            return shifted - std::floor(shifted);
+        };
+        common_ = {pass.jittersWavelengths ? spaced(2, HashToFloat(seed_)) : Float(0.5),
+                   pass.jittersPixels ? spaced(3, HashFloat(seed_)) : Float(0.5)};
+        const SampledWavelengths lambda = pass.film.SampleWavelengths(common_.wavelengths);
 
         const Float radius = settings_.radius * RelativeRadius(pass.samplesBefore + pass.batchFirst + pass.first);
         const int64_t paths =
@@ -92,8 +95,8 @@ class SppmIntegrator final : public PixelIntegrator {
     }
 
   protected:
-    /// Photons and camera paths of an iteration share wavelengths.
-    std::optional<Float> CommonWavelengths() const override { return uWavelengths_; }
+    /// Photons and camera paths of an iteration share wavelengths and time: photons stay with moving surfaces.
+    std::optional<CommonNumbers> Common() const override { return common_; }
 
   private:
     /// Fraction of photons kept as the radius shrinks (Hachisuka and Jensen 2009, alpha).
@@ -110,7 +113,7 @@ class SppmIntegrator final : public PixelIntegrator {
             return SobolToFloat(OwenScramble(v, Hash(seed_, dimension)));
         };
         Rng rng(Hash(seed_, index));
-        const Float time = glm::mix(context_.camera.ShutterOpen(), context_.camera.ShutterClose(), rng.Uniform());
+        const Float time = Lerp(common_.time, context_.camera.ShutterOpen(), context_.camera.ShutterClose());
         const std::optional<SampledLight> chosen = shooting_->Sample({.time = time}, number(0));
         if (!chosen || !(chosen->pmf > 0)) return;
         const LightComponent light = scene.Lights()[chosen->light];
@@ -190,7 +193,8 @@ class SppmIntegrator final : public PixelIntegrator {
     std::unique_ptr<LightSampler> lights_, shooting_;
     // Of the current iteration.
     PhotonMap map_;
-    Float uWavelengths_ = 0, perArea_ = 0;
+    CommonNumbers common_;
+    Float perArea_ = 0;
     uint64_t seed_ = 0;
 };
 

@@ -30,4 +30,10 @@ inline Float Sin2Theta(const Vector3 &w) { return std::max(Float(0), 1 - w.z * w
 inline Float SinTheta(const Vector3 &w) { return std::sqrt(Sin2Theta(w)); }
 inline bool SameHemisphere(const Vector3 &a, const Vector3 &b) { return a.z * b.z > 0; }
 
+/// Rotates v by the smallest rotation from unit vector `from` to `to`, which must not be opposite.
+inline Vector3 RotateFromTo(const Vector3 &from, const Vector3 &to, const Vector3 &v) {
+    const Vector3 axis = Cross(from, to), turned = Cross(axis, v);
+    return v + turned + Cross(axis, turned) / (1 + Dot(from, to));
+}
+
 }  // namespace pbrt

@@ -2,6 +2,7 @@
 
 #include <array>
 
+#include "pbrt/math/frame.h"
 #include "pbrt/math/warps.h"
 #include "pbrt/shapes/solid_angle_sampling.h"
 
@@ -41,19 +42,6 @@ int SolveQuadratic(double a, double b, double c, std::array<double, 2> &x) {
     if (q != 0) x[n++] = a / q;
     if (c != 0) x[n++] = q / c;
     return n;
-}
-
-/// Rotates v by the smallest rotation from unit vector `from` to `to`.
-Vector3 RotateFromTo(const Vector3 &from, const Vector3 &to, const Vector3 &v) {
-    Vector3 axis = Cross(from, to);
-    Float c = Dot(from, to), s2 = LengthSquared(axis);
-    if (s2 < Float(1e-12)) {
-        if (c > 0) return v;
-        Vector3 s, t;  // half turn about an axis perpendicular to `from`
-        CoordinateSystem(from, &s, &t);
-        return 2 * Dot(s, v) * s - v;
-    }
-    return c * v + Cross(axis, v) + axis * (Dot(axis, v) * (1 - c) / s2);
 }
 
 bool IsNearlyRectangle(const Point3 &p00, const Point3 &p10, const Point3 &p01, const Point3 &p11) {
@@ -271,10 +259,10 @@ SurfacePoint BilinearMesh::Surface(uint32_t primitive, const PrimitiveHit &hit) 
     dndv = UnitNormalDerivative(n, Lerp(uv.x, n01, n11) - Lerp(uv.x, n00, n10));
     s.shading.dndu = st.AlongS(dndu, dndv);
     s.shading.dndv = st.AlongT(dndu, dndv);
+    s.n = FaceForward(s.n, ns);
     s.shading.dpdu = RotateFromTo(s.n, ns, s.dpdu);
     s.shading.dpdv = RotateFromTo(s.n, ns, s.dpdv);
     s.shading.n = ns;
-    s.n = FaceForward(s.n, ns);
     return s;
 }
 

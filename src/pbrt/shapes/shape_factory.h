@@ -17,7 +17,7 @@ struct ShapeContext {
     const ParamReader &before;                   ///< parameters already read by build/
     const Displacement *displacement = nullptr;  ///< null: none
     bool opaque = true;                          ///< false: an alpha texture lets some rays pass
-    Transform renderFromPlaced{};                ///< placement of an object definition, for displacement; else identity
+    Transform renderFromPlaced{};                ///< of objects and moving shapes, for displacement; else identity
 };
 
 /// A plymesh with triangles and quads yields two shapes, unless displaced.

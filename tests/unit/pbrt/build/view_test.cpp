@@ -52,6 +52,18 @@ TEST(PlaceCamera, RenderingSpaceIsWhereTheCameraIs) {
     ExpectPoint(place("world").Point(eye), eye);
 }
 
+TEST(PlaceCamera, RenderingSpaceKeepsTheWorldsDistancesAndSides) {
+    const SceneDescription d = Parse("Scale -2 1 0.5 LookAt 3 2 1  3 4 5  0 1 0 Camera 'perspective'");
+    for (const char *system : {"camera", "cameraworld", "world"}) {
+        DiagnosticSink sink;
+        BuildOptions options;
+        options.renderCoordSys = system;
+        const Transform renderFromWorld = PlaceCamera(d, options, sink).renderFromWorld;
+        EXPECT_NEAR(renderFromWorld.UniformScale(1e-5).value_or(0), 1, 1e-5) << system;
+        EXPECT_FALSE(renderFromWorld.SwapsHandedness()) << system;
+    }
+}
+
 TEST(PlaceCamera, TheSceneNamesTheSpaceUnlessAFlagDoes) {
     const SceneDescription d = Parse("Option 'rendercoordsys' 'world' LookAt 3 2 1  3 2 5  0 1 0 Camera 'perspective'");
     DiagnosticSink sink;

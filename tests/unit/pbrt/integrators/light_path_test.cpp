@@ -37,6 +37,20 @@ TEST(LightPath, IsTheSameForAnyNumberOfThreads) {
         for (const View &view : {AllViews()[0], FoggyViews()[0], FoggyViews()[2]}) CheckThreads(view, integrator, 16);
 }
 
+TEST(LightPath, LightsWithoutVisibleGeometryAreNotSeen) {
+    const std::string scene = SceneText()
+                                  .LookAt("0 0 -5  0 0 0  0 1 0")
+                                  .Camera(40)
+                                  .Film(4, 4)
+                                  .Samples(8)
+                                  .Integrator("lightpath", 0)
+                                  .World(Objects()
+                                             .Attribute("Translate 0 0 -9", Objects().Disk(1))
+                                             .AreaLight("5 5 5")
+                                             .Shape("sphere", "'float alpha' 0"));
+    EXPECT_EQ(ChannelStatistics(RenderText(scene).image).mean, 0);
+}
+
 TEST(LightPath, NeedsACameraThatItCanReach) {
     const View view{.name = "realistic", .camera = kRealisticCamera, .objects = AllViews()[0].objects};
     ExpectError([&] { RenderView(view, "lightpath", 1, 1); }, {"perspective", "orthographic", "spherical"});

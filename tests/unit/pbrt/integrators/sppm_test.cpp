@@ -101,6 +101,31 @@ TEST(Sppm, LightSamplersDoNotChangeTheMean) {
                        kBlur);
 }
 
+/// A panel that moves along its normal, in the light of a floor: photons at other times would miss it.
+TEST(Sppm, PhotonsStayWithMovingSurfaces) {
+    const auto mean = [](double start, double end) {
+        const std::string panel = fmt::format(
+            "ActiveTransform StartTime Translate 2.5 {} 0\n"
+            "ActiveTransform EndTime Translate 2.5 {} 0\n"
+            "ActiveTransform All Rotate 90 1 0 0",
+            start, end);
+        const std::string scene =
+            SceneText()
+                .LookAt("2.5 0.2 -3  2.5 1.4 0  0 1 0")
+                .Camera(50)
+                .Film(8, 8)
+                .Samples(9)
+                .Integrator("sppm", 2, "'float radius' 0.3 'integer photonsperiteration' 20000")
+                .World(Objects()
+                           .Light("spot", "'point3 from' [ 0 2.9 0 ] 'point3 to' [ 0 0 0 ] 'float coneangle' 40")
+                           .Attribute("Rotate -90 1 0 0", Objects().Disk(4))
+                           .Attribute(panel, Objects().Disk(0.8)));
+        return ChannelStatistics(RenderText(scene).image).mean;
+    };
+    const double still = mean(1.5, 1.5);
+    EXPECT_NEAR(mean(1, 2.5), still, 0.3 * still);
+}
+
 TEST(Sppm, IsTheSameForAnyNumberOfThreads) {
     View view = AllViews()[0];
     view.parameters = "'float radius' .15 'integer photonsperiteration' 20000";

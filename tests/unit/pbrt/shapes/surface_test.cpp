@@ -197,6 +197,15 @@ TEST(BilinearSurface, TextureCoordinatesReplaceParameters) {
     EXPECT_TRUE(mesh.IsParallelogram(0));
 }
 
+TEST(BilinearSurface, NormalsAgainstTheFaceKeepTheTangents) {
+    MeshData data = OnePrimitive({{0, 0, 0}, {1, 1, 0}, {-1, 1, 0}, {0, 2, 0}});
+    data.n.assign(4, Normal3(0, 0, -1));
+    const SurfacePoint s = BilinearMesh(data, Transform(), false).Surface(0, {1, 0.5f, 0.5f});
+    EXPECT_EQ(s.n, Normal3(0, 0, -1));
+    EXPECT_EQ(s.shading.dpdu, s.dpdu);
+    EXPECT_EQ(s.shading.dpdv, s.dpdv);
+}
+
 TEST(BilinearSurface, CornersInOrderAroundARectangleAreNoRectangle) {
     const std::vector<Point3> around = {{0, 0, 0}, {3, 0, 0}, {3, 2, 0}, {0, 2, 0}};
     for (size_t first = 0; first < 4; ++first) {

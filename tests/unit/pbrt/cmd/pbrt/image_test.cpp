@@ -74,13 +74,16 @@ TEST_F(Images, GBufferIsInTheRequestedSpace) {
     EXPECT_LT(seen, 150);
 }
 
-// A square at z = 5 that faces the camera, with a checkerboard of heights 0 and 2; the height at every corner is 0.
+// A square at z = 5 that faces the camera.
+const char *const kSquare =
+    "ply\nformat ascii 1.0\nelement vertex 4\nproperty float x\nproperty float y\nproperty float z\n"
+    "property float nx\nproperty float ny\nproperty float nz\nproperty float u\nproperty float v\n"
+    "element face 1\nproperty list uchar int vertex_indices\nend_header\n"
+    "-1 -1 5 0 0 -1 0 0\n1 -1 5 0 0 -1 1 0\n1 1 5 0 0 -1 1 1\n-1 1 5 0 0 -1 0 1\n4 0 1 2 3\n";
+
+// A checkerboard of heights 0 and 2; the height at every corner is 0.
 TEST_F(Images, DisplacedMeshesAreSplitToTheEdgeLength) {
-    Write("square.ply",
-          "ply\nformat ascii 1.0\nelement vertex 4\nproperty float x\nproperty float y\nproperty float z\n"
-          "property float nx\nproperty float ny\nproperty float nz\nproperty float u\nproperty float v\n"
-          "element face 1\nproperty list uchar int vertex_indices\nend_header\n"
-          "-1 -1 5 0 0 -1 0 0\n1 -1 5 0 0 -1 1 0\n1 1 5 0 0 -1 1 1\n-1 1 5 0 0 -1 0 1\n4 0 1 2 3\n");
+    Write("square.ply", kSquare);
     Write(
         "relief.pbrt",
         SceneText()
@@ -108,6 +111,31 @@ TEST_F(Images, DisplacedMeshesAreSplitToTheEdgeLength) {
     EXPECT_GT(low, 100);
     EXPECT_GT(high, 100);
     EXPECT_EQ(depths("--displacement-edge-scale 1000"), std::pair(32 * 32, 0));
+}
+
+TEST_F(Images, SolidTexturesOfAMovingShapeLieWhereItStarts) {
+    Write("square.ply", kSquare);
+    const auto depths = [&](const std::string &parameter, const std::string &motion) {
+        Write("solid.pbrt",
+              SceneText()
+                  .Camera(15)
+                  .Film(16, 16, "'bool savefp16' false", "gbuffer")
+                  .Samples(1)
+                  .World(Objects()
+                             .Light("point")
+                             .Add("Texture 'cells' 'float' 'checkerboard' 'integer dimension' 3")
+                             .Add("Translate 1 0 0.5 ActiveTransform EndTime " + motion + " ActiveTransform All")
+                             .Shape("plymesh", "'string filename' 'square.ply' 'float edgelength' 0.1 'texture " +
+                                                   parameter + "' 'cells'")));
+        const Image image = Render("solid.pbrt").image;
+        std::vector<Float> all;
+        ForEachPixel(image, [&](Point2i p) { all.push_back(image.Get(p, image.FindChannel("P.Z"))); });
+        return all;
+    };
+    for (const char *parameter : {"alpha", "displacement"}) {
+        const std::vector<Float> still = depths(parameter, ""), moving = depths(parameter, "Translate 0 0 1e-5");
+        for (size_t i = 0; i < still.size(); ++i) EXPECT_NEAR(moving[i], still[i], 1e-3f) << parameter << " " << i;
+    }
 }
 
 TEST_F(Images, ErrorAgainstAReferenceFallsWaveByWave) {

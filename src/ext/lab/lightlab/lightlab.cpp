@@ -2,6 +2,7 @@
 
 #include <cstdio>
 #include <exception>
+#include <filesystem>
 #include <new>
 #include <stdexcept>
 
@@ -25,6 +26,14 @@ std::string ResumeHint(const LightlabOptions &options) {
                        options.experiment.outFolder);
 }
 
+/// Removes the report and the charts of earlier results.
+void RemoveReport(const std::string &outFolder) {
+    for (const std::filesystem::directory_entry &entry : std::filesystem::directory_iterator(outFolder)) {
+        const std::string name = entry.path().filename();
+        if (name == "report.html" || name == "table.md" || name.starts_with("chart-")) std::filesystem::remove(entry);
+    }
+}
+
 /// Compares samplers on one scene. Empty if a signal ended it; `signals` then has the status.
 std::optional<ExperimentOutcome> CompareOn(const ExperimentSettings &settings, const LightlabOptions &options,
                                            const PluginRegistry &registry, SignalWatch &signals, Progress &cancel) {
@@ -35,6 +44,7 @@ std::optional<ExperimentOutcome> CompareOn(const ExperimentSettings &settings, c
         LogInfo(ResumeHint(options));
         return {};
     }
+    RemoveReport(settings.outFolder);
     std::printf("%s\n", outcome->text.c_str());
     std::fflush(stdout);
     signals.EndAtOnce(

@@ -392,6 +392,13 @@ TEST_F(Lightlab, SeveralScenesMakeOneTableAndAPage) {
     EXPECT_EQ(again.out, o.out);
 }
 
+TEST_F(Lightlab, InspectionsOfVariantsHaveFoldersOfTheirOwn) {
+    for (const std::string sampler : {"uniform", "uniform+guide"}) {
+        RunWell("inspect scene.pbrt --samples 1 --divisor 4 --sampler " + sampler);
+        EXPECT_EQ(nlohmann::json::parse(Read("inspect-" + sampler + "/inspect.json"))["sampler"], sampler);
+    }
+}
+
 TEST_F(Lightlab, OneSeedHasNoStandardError) {
     Write("b.pbrt", SmallScene());
     const Outcome o =

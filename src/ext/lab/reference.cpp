@@ -25,9 +25,8 @@ std::string PartChannel(size_t part, int color) { return fmt::format("part{}.{}"
 /// A reference without images, from the metadata of its file.
 Reference Described(const std::string &path, const ImageMetadata &m) {
     Reference reference;
-    const auto label = m.Attribute<std::string>("lightlab.sampler"), name = m.Attribute<std::string>("lightSampler");
-    reference.sampler = label.value_or(name.value_or(""));
-    reference.hasLabel = label.has_value();
+    reference.hasLabel = m.attributes.contains("lightlab.sampler");
+    reference.sampler = m.Attribute<std::string>(reference.hasLabel ? "lightlab.sampler" : "lightSampler").value_or("");
     reference.samples = m.Attribute<int>("samplesPerPixel").value_or(0);
     reference.seconds = double(m.Attribute<float>("renderTimeSeconds").value_or(0));
     reference.source = path;
@@ -231,8 +230,7 @@ References GivenReference(const ExperimentSettings &settings, const LabScene &sc
     for (const SamplerChoice &s : settings.samplers)
         if ((given.hasLabel ? s.label : s.name) == given.sampler)
             references.doubts.push_back(
-                {fmt::format("{} was rendered with \"{}\", which is compared here: its own errors are partly in the "
-                             "reference, so its measured error is too low.",
+                {fmt::format("{} was rendered with \"{}\", which is compared here: errors in common are not measured.",
                              settings.referenceFile, given.sampler),
                  s.label});
     return references;

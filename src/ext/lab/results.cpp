@@ -78,7 +78,6 @@ void SummarizeOne(SamplerResult *s) {
 
     const double seconds = mean([](const RunRecord &r) { return r.rounds.back().spent.wall; });
     const double cpuSeconds = mean([](const RunRecord &r) { return r.rounds.back().spent.cpu; });
-    const double prepareCpuSeconds = mean([](const RunRecord &r) { return r.prepare.cpu; });
     const double shadowRays = mean([](const RunRecord &r) { return double(r.rounds.back().shadowRays); });
     const double blocked = mean([](const RunRecord &r) { return double(r.rounds.back().shadowRaysBlocked); });
     Json &json = s->summary;
@@ -97,7 +96,7 @@ void SummarizeOne(SamplerResult *s) {
         {"buildSeconds", mean([](const RunRecord &r) { return std::max(0.0, r.prepare.wall - PrepassSeconds(r)); })},
         {"renderSeconds", mean([](const RunRecord &r) { return r.rounds.back().spent.wall - r.prepare.wall; })}};
     json["cpuSecondsPerSample"] = s->cpuPerSample;
-    json["preparationShare"] = cpuSeconds > 0 ? prepareCpuSeconds / cpuSeconds : 0;
+    json["preparationShare"] = cpuSeconds > 0 ? mean([](const RunRecord &r) { return r.prepare.cpu; }) / cpuSeconds : 0;
     json["leaves"] = ReportMean(*s, "leaves");
     json["bytes"] = ReportMean(*s, "bytes");
     json["shadowRays"] = shadowRays;
@@ -157,7 +156,6 @@ void JudgeImages(const References &references, const std::vector<std::vector<Ima
 
 Json OrNull(const std::optional<double> &value) { return value ? Json(*value) : Json(); }
 
-/// Completes the summaries.
 void CompareSamplers(std::vector<SamplerResult> &samplers) {
     std::vector<ErrorCurve> bySeconds, bySamples;
     for (const SamplerResult &s : samplers) {
@@ -165,7 +163,8 @@ void CompareSamplers(std::vector<SamplerResult> &samplers) {
         bySamples.emplace_back(Curve(s, true));
     }
     const double first = samplers.front().cpuPerSample;
-    const auto oracle = std::ranges::find_if(samplers, [](const auto &s) { return s.choice.traits.isInstrument; });
+    const size_t oracle =
+        std::ranges::find_if(samplers, [](const auto &s) { return s.choice.traits.isInstrument; }) - samplers.begin();
     for (size_t i = 0; i < samplers.size(); ++i) {
         SamplerResult &mine = samplers[i];
         Json speedUps = Json::object();
@@ -185,9 +184,7 @@ void CompareSamplers(std::vector<SamplerResult> &samplers) {
         mine.summary["speedUpAgainst"] = mine.speedUp ? Json(mine.speedUpAgainst) : Json();
         mine.summary["speedUps"] = speedUps;
         mine.summary["ratioToOracle"] =
-            oracle == samplers.end()
-                ? Json()
-                : OrNull(ErrorRatioAtEqualCost(bySamples[i], bySamples[oracle - samplers.begin()]));
+            oracle < samplers.size() ? OrNull(ErrorRatioAtEqualCost(bySamples[i], bySamples[oracle])) : Json();
         mine.summary["relativeCost"] = first > 0 ? mine.cpuPerSample / first : 0;
     }
 }

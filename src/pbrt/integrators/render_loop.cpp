@@ -27,8 +27,6 @@ class ReferenceLog {
         return log;
     }
 
-    bool IsKept() const { return bool(reference_); }
-
     /// Writes and returns the mean squared error of the film over R, G and B; empty without a reference.
     std::optional<double> Log(int samples, const Film &film) {
         if (!reference_) return {};
@@ -157,7 +155,7 @@ class WaveLoop {
         const int taken = renderer_.Render(size);
         if (taken == 0) return false;
         secondsPerSample_ = context_.progress.SecondsSince(start) / taken;
-        if (settings_.afterWave || reference_.IsKept()) renderer_.Gather();
+        if (settings_.afterWave || !settings_.mseReferenceImage.empty()) renderer_.Gather();
         result_.mse = reference_.Log(renderer_.Done() - settings_.firstSample, context_.film);
         if (!IsDone()) renderer_.DecideIfDue();
         ShowProgress();

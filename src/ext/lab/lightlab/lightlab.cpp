@@ -26,14 +26,6 @@ std::string ResumeHint(const LightlabOptions &options) {
                        options.experiment.outFolder);
 }
 
-/// Removes the report and the charts of earlier results.
-void RemoveReport(const std::string &outFolder) {
-    for (const std::filesystem::directory_entry &entry : std::filesystem::directory_iterator(outFolder)) {
-        const std::string name = entry.path().filename();
-        if (name == "report.html" || name == "table.md" || name.starts_with("chart-")) std::filesystem::remove(entry);
-    }
-}
-
 /// Compares samplers on one scene. Empty if a signal ended it; `signals` then has the status.
 std::optional<ExperimentOutcome> CompareOn(const ExperimentSettings &settings, const LightlabOptions &options,
                                            const PluginRegistry &registry, SignalWatch &signals, Progress &cancel) {
@@ -44,7 +36,11 @@ std::optional<ExperimentOutcome> CompareOn(const ExperimentSettings &settings, c
         LogInfo(ResumeHint(options));
         return {};
     }
-    RemoveReport(settings.outFolder);
+    // A report of earlier results must not pass for one of these.
+    for (const auto &entry : std::filesystem::directory_iterator(settings.outFolder))
+        if (const std::string name = entry.path().filename();
+            name == "report.html" || name == "table.md" || name.starts_with("chart-"))
+            std::filesystem::remove(entry);
     std::printf("%s\n", outcome->text.c_str());
     std::fflush(stdout);
     signals.EndAtOnce(

@@ -116,9 +116,9 @@ std::string Legend(const std::vector<SceneOutcome> &outcomes) {
     const auto compared = std::ranges::find_if(outcomes, [](const SceneOutcome &o) { return !o.results.is_null(); });
     if (compared == outcomes.end()) return "no scene was compared";
     const Json &budget = compared->results.at("budget");
-    const bool isTime = compared->results.at("mode") == "time";
     return fmt::format("relL2 +- standard error, {} for every sampler and seed",
-                       isTime ? budget.dump() + " s" : CountText(budget.get<int>(), "sample") + " per pixel");
+                       compared->results.at("mode") == "time" ? budget.dump() + " s"
+                                                              : CountText(budget.get<int>(), "sample") + " per pixel");
 }
 
 std::string PageRow(const std::string &folder, const SceneOutcome &o, size_t index, const Grid &grid) {

@@ -88,13 +88,13 @@ class Checkpoint {
         LogInfo("Resuming from {}, after {} per pixel.", path_, CountText(head_.done - head_.first, "sample"));
         file_.reset();  // frees its memory
     }
-    /// Writes the file. Failures are logged as warnings; Failure() is the message of the last call.
-    void Write(const BuiltScene &built, const RenderPosition &position, double renderSeconds,
-               const ImageMetadata &metadata) {
+    /// Writes the file; `seconds` of rendering. Failures are logged as warnings; Failure() is the message of the last
+    /// call.
+    void Write(const BuiltScene &built, const RenderPosition &position, double seconds, const ImageMetadata &metadata) {
         head_.done = position.done;
         head_.passCount = position.passCount;
         head_.seconds = secondsBefore_ + SecondsSince(start_);
-        head_.renderSeconds = renderSeconds;
+        head_.renderSeconds = seconds;
         head_.metadata = metadata;
         RenderFileHead written = head_;
         if (isEndOpen_) written.end = 0;

@@ -167,9 +167,11 @@ def run_experiment(a, name, samplers, spp=None, seconds=None, direct=True, repor
     if a.tables_only:
         if judges and first.exists():
             noise = json.loads(first.read_text())["references"][0].get("noise")
-        if (out / "results.json").exists():
-            return Experiment(out / "results.json", noise)
-        print(f"*** SKIPPED: no experiment of {name} in {a.out} ***", flush=True)
+        found = Experiment(out / "results.json", noise) if (out / "results.json").exists() else None
+        missing = [s for s in samplers if s not in found.samplers] if found else []
+        if found and not missing:
+            return found
+        print(f"*** SKIPPED: no experiment of {name} {f'with {missing[0]} ' if missing else ''}in {a.out} ***", flush=True)
         return None
     if not scene.exists():
         print(f"*** SKIPPED: {name} is not there ({scene}) ***", flush=True)

@@ -226,6 +226,12 @@ class Scripts(Folder):
         self.assertEqual((done.returncode, self.commands()), (1, []))
         self.assertIn("SKIPPED: no experiment of hotel", done.stdout)
 
+    def test_tables_only_skips_experiments_without_a_sampler(self):
+        self.run_script("run", "--only", "hotel", "--samplers", "octree;bvh")
+        done = self.run_script("run", "--tables-only", "--only", "hotel", "--samplers", "octree;bvh;neepp")
+        self.assertEqual((done.returncode, done.stderr), (1, ""))
+        self.assertIn("neepp", done.stdout)
+
     def test_octree_must_be_among_the_samplers(self):
         done = self.run_script("run", "--samplers", "bvh;uniform")
         self.assertEqual(done.returncode, 2)

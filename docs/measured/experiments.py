@@ -14,6 +14,7 @@ import data  # noqa: E402
 OURS = ["three-lights", "lamp-like", "hotel", "white-room", "ajar", "many-rooms", "one-light", "all-visible",
         "thin-walls", "slit", "glossy", "env-interior", "dollhouse"]
 REAL = ["lamp", "veach-ajar"]
+failed = []  # names of experiments that lightlab ended with an error
 
 
 class Value:
@@ -155,6 +156,7 @@ def run_lightlab(a, scene, out, samplers, more):
     if status == 0:
         return out / "results.json"
     print(f"*** {out.name}: lightlab ended with status {status} ***", flush=True)
+    failed.append(out.name)
     return None
 
 
@@ -194,9 +196,10 @@ def run_experiment(a, name, samplers, spp=None, seconds=None, direct=True, repor
 
 
 def finish(a, head, rows, experiments):
-    """Prints the table and writes it to --csv, with its origin."""
+    """Prints the table and writes it to --csv, with its origin. Returns the exit status: 1 if an experiment failed."""
     results = [e.results for e in experiments]
     machines = {str((r.get("machine") or {}).get("cpu") or "unknown") for r in results}
     print(data.text(head, rows, {}))
     if a.csv:
         data.write(a.csv, head, rows, data.origin(results=results, machine=", ".join(sorted(machines)), metric="relL2"))
+    return 1 if failed else 0

@@ -217,9 +217,10 @@ class Scripts(Folder):
                          [["24", "biased", "", ""]] + [["24", "unknown", "8.3", "5"]] * 2)
 
     def test_a_failed_experiment_is_reported(self):
-        done = self.run_script("bias", "--only", "hotel", STAND_IN_FAIL="hotel")
-        self.assertEqual(done.returncode, 1)
-        self.assertIn("*** hotel: lightlab ended with status 1 ***", done.stdout)
+        for script in ("bias", "run"):
+            done = self.run_script(script, "--only", "hotel,slit", STAND_IN_FAIL="hotel")
+            self.assertEqual((done.returncode, {r["scene"] for r in self.rows()}), (1, {"slit"}))
+            self.assertIn("*** hotel: lightlab ended with status 1 ***", done.stdout)
 
     def test_tables_only_measures_nothing(self):
         done = self.run_script("run", "--tables-only", "--only", "hotel")

@@ -224,9 +224,8 @@ bool Contradict(const Reference &a, const Reference &b) {
 
 References GivenReference(const ExperimentSettings &settings, const LabScene &scene) {
     References references;
-    references.all.push_back(ReadReference(settings.referenceFile, scene));
+    const Reference &given = references.all.emplace_back(ReadReference(settings.referenceFile, scene));
     references.ofSampler.assign(settings.samplers.size(), 0);
-    const Reference &given = references.all[0];
     for (const SamplerChoice &s : settings.samplers)
         if ((given.hasLabel ? s.label : s.name) == given.sampler)
             references.doubts.push_back(

@@ -14,6 +14,7 @@ import data  # noqa: E402
 OURS = ["three-lights", "lamp-like", "hotel", "white-room", "ajar", "many-rooms", "one-light", "all-visible",
         "thin-walls", "slit", "glossy", "env-interior", "dollhouse"]
 REAL = ["lamp", "veach-ajar"]
+failed = []  # names of experiments that lightlab ended with an error
 
 
 class Value:
@@ -155,6 +156,7 @@ def run_lightlab(a, scene, out, samplers, more):
     if status == 0:
         return out / "results.json"
     print(f"*** {out.name}: lightlab ended with status {status} ***", flush=True)
+    failed.append(out.name)
     return None
 
 
@@ -167,9 +169,11 @@ def run_experiment(a, name, samplers, spp=None, seconds=None, direct=True, repor
     if a.tables_only:
         if judges and first.exists():
             noise = json.loads(first.read_text())["references"][0].get("noise")
-        if (out / "results.json").exists():
-            return Experiment(out / "results.json", noise)
-        print(f"*** SKIPPED: no experiment of {name} in {a.out} ***", flush=True)
+        found = Experiment(out / "results.json", noise) if (out / "results.json").exists() else None
+        missing = [s for s in samplers if s not in found.samplers] if found else []
+        if found and not missing:
+            return found
+        print(f"*** SKIPPED: no experiment of {name} {f'with {missing[0]} ' if missing else ''}in {a.out} ***", flush=True)
         return None
     if not scene.exists():
         print(f"*** SKIPPED: {name} is not there ({scene}) ***", flush=True)
@@ -192,9 +196,10 @@ def run_experiment(a, name, samplers, spp=None, seconds=None, direct=True, repor
 
 
 def finish(a, head, rows, experiments):
-    """Prints the table and writes it to --csv, with its origin."""
+    """Prints the table and writes it to --csv, with its origin. Returns the exit status: 1 if an experiment failed."""
     results = [e.results for e in experiments]
     machines = {str((r.get("machine") or {}).get("cpu") or "unknown") for r in results}
     print(data.text(head, rows, {}))
     if a.csv:
         data.write(a.csv, head, rows, data.origin(results=results, machine=", ".join(sorted(machines)), metric="relL2"))
+    return 1 if failed else 0

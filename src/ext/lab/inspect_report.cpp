@@ -171,7 +171,10 @@ int RunInspect(const InspectOptions &options, const PluginRegistry &registry, Pr
     sink.ThrowIfErrors();
     progress.EndPhase();
     BuiltScene built = BuildLitScene(description, options.sceneFiles.front(), options.build, registry, sink, progress);
-    const std::string folder = options.outFolder.empty() ? "inspect-" + built.lightSamplerName : options.outFolder;
+    const std::string &typed = options.build.lightSampler;
+    const std::string label =
+        (typed.empty() ? built.lightSamplerName : typed) + (options.build.meshLights ? "+mesh" : "");
+    const std::string folder = options.outFolder.empty() ? "inspect-" + SafeFileName(label) : options.outFolder;
     MakeFolder(folder);  // an error comes before the work
 
     built.Prepare(progress);
@@ -185,7 +188,7 @@ int RunInspect(const InspectOptions &options, const PluginRegistry &registry, Pr
 
     Json about;
     about["scene"] = options.sceneFiles;
-    about["sampler"] = built.lightSamplerName;
+    about["sampler"] = label;
     built.integrator->Lights()->Report(about["samplerReport"] = Json::object());
     if (const DirectionSampling *guide = built.integrator->Directions())
         guide->Report(about["guideReport"] = Json::object());

@@ -32,10 +32,10 @@ std::vector<Image> Pictures(const ExperimentSettings &settings, const LabScene &
 std::string Bars(const Json &json, const char *what) {
     constexpr double kWidth = 760, kHeight = 34, kLeft = 260;
     double largest = 0;
-    for (const Json &s : json.at("samplers")) largest = std::max(largest, s.at("depths").back().at(what).get<double>());
-    const size_t rows = json.at("samplers").size();
-    std::string svg =
-        fmt::format("<svg viewBox=\"0 0 {} {}\" role=\"img\">\n", kLeft + kWidth + 90, double(rows) * kHeight + 6);
+    for (const Json &s : json.at("samplers"))
+        for (const Json &d : s.at("depths")) largest = std::max(largest, d.at(what).get<double>());
+    std::string svg = fmt::format("<svg viewBox=\"0 0 {} {}\" role=\"img\">\n", kLeft + kWidth + 90,
+                                  double(json.at("samplers").size()) * kHeight + 6);
     double y = 3;
     for (const Json &s : json.at("samplers")) {
         svg += fmt::format("<text x=\"{}\" y=\"{}\" text-anchor=\"end\">{}</text>\n", kLeft - 10, y + 20,
@@ -57,7 +57,8 @@ std::string Bars(const Json &json, const char *what) {
             from = to;
             ++k;
         }
-        svg += fmt::format("<text x=\"{:.1f}\" y=\"{}\">{:.3g}</text>\n", kLeft + length(from) + 8, y + 20, from);
+        svg += fmt::format("<text x=\"{:.1f}\" y=\"{}\">{:.3g}</text>\n", kLeft + length(from) + 8, y + 20,
+                           s.at("depths").back().at(what).get<double>());
         y += kHeight;
     }
     return svg + "</svg>\n";

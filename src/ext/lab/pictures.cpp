@@ -21,25 +21,24 @@ double Percentile(std::vector<float> values, double share) {
     return double(*at);
 }
 
+/// Writes `path` + ".png", and ".hdr" without exposure.
 void WritePicture(const std::string &path, const Image &image, double exposure) {
     Image shown(PixelFormat::Float, image.Resolution(), {"R", "G", "B"});
     ForEachPixel(image.Resolution(), [&](int x, int y) {
         for (int c = 0; c < 3; ++c)
             shown.Set({x, y}, c, std::clamp(image.Get({x, y}, c) * Float(exposure), Float(0), Float(1)));
     });
-    WriteImage(path, shown);
+    WriteImage(path + ".png", shown);
+    WriteRangeImage(path + ".hdr", image);
 }
 
 /// Per-pixel relative error as weighted by relL2, |x - r| / sqrt(r^2 + RelL2Epsilon), root mean square over R, G, B.
 Image ErrorMap(const Image &image, const Image &reference) {
-    Image map(PixelFormat::Float, image.Resolution(), {"Y"});
-    const double epsilon = RelL2Epsilon(reference);
+    Image terms, map(PixelFormat::Float, image.Resolution(), {"Y"});
+    ImageError(image, reference, Metric::RelL2, &terms);
     ForEachPixel(image.Resolution(), [&](int x, int y) {
         double sum = 0;
-        for (int c = 0; c < 3; ++c) {
-            const double r = double(reference.Get({x, y}, c)), d = double(image.Get({x, y}, c)) - r;
-            sum += d * d / (r * r + epsilon);
-        }
+        for (int c = 0; c < 3; ++c) sum += double(terms.Get({x, y}, c));
         map.Set({x, y}, 0, std::isfinite(sum) ? Float(std::sqrt(sum / 3)) : 0);
     });
     return map;
@@ -193,8 +192,7 @@ void WritePictures(const ExperimentContext &context, const References &reference
         const ImageMetadata metadata = scene.Metadata(*scene.built.film, r.sampler, r.samples, r.seconds);
         const std::string file = settings.outFolder + "/" + name;
         WriteImage(file + ".exr", r.image, metadata);
-        WritePicture(file + ".png", r.image, exposure);
-        WriteRangeImage(file + ".hdr", r.image);
+        WritePicture(file, r.image, exposure);
         (*json)["references"].push_back({{"file", name + ".exr"},
                                          {"picture", name + ".png"},
                                          {"pictureRange", name + ".hdr"},
@@ -213,8 +211,7 @@ void WritePictures(const ExperimentContext &context, const References &reference
     const FalseColorStyle style{.max = Float(scale)};
     for (size_t i = 0; i < settings.samplers.size(); ++i) {
         const std::string folder = settings.outFolder + "/" + settings.samplers[i].folder;
-        WritePicture(folder + "/result.png", pictures[i].front(), exposure);
-        WriteRangeImage(folder + "/result.hdr", pictures[i].front());
+        WritePicture(folder + "/result", pictures[i].front(), exposure);
         WriteImage(folder + "/error.png", FalseColor(maps[i], 0, style));
     }
     (*json)["exposure"] = exposure;

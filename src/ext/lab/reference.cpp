@@ -14,7 +14,7 @@ namespace {
 namespace fs = std::filesystem;
 
 constexpr int kParts = 8;           // seeds of a reference; their scatter estimates its noise (7 degrees of freedom)
-constexpr int kFirstSeed = 800001;  // disjoint from the seeds of runs and pilot
+constexpr int kFirstSeed = 800501;  // disjoint from the seeds of runs and pilot, also modulo SamplerRun::kSeeds
 constexpr int kSeedStep = 1000;     // between references; below SamplerRun::kSeeds
 constexpr int kMinSamples = 64;     // by time
 constexpr int kMaxSamples = 1 << 30;
@@ -25,7 +25,8 @@ std::string PartChannel(size_t part, int color) { return fmt::format("part{}.{}"
 /// A reference without images, from the metadata of its file.
 Reference Described(const std::string &path, const ImageMetadata &m) {
     Reference reference;
-    reference.sampler = m.Attribute<std::string>("lightlab.sampler").value_or("");
+    reference.hasLabel = m.attributes.contains("lightlab.sampler");
+    reference.sampler = m.Attribute<std::string>(reference.hasLabel ? "lightlab.sampler" : "lightSampler").value_or("");
     reference.samples = m.Attribute<int>("samplesPerPixel").value_or(0);
     reference.seconds = double(m.Attribute<float>("renderTimeSeconds").value_or(0));
     reference.source = path;
@@ -223,15 +224,13 @@ bool Contradict(const Reference &a, const Reference &b) {
 
 References GivenReference(const ExperimentSettings &settings, const LabScene &scene) {
     References references;
-    references.all.push_back(ReadReference(settings.referenceFile, scene));
+    const Reference &given = references.all.emplace_back(ReadReference(settings.referenceFile, scene));
     references.ofSampler.assign(settings.samplers.size(), 0);
-    const std::string &maker = references.all[0].sampler;
     for (const SamplerChoice &s : settings.samplers)
-        if (!maker.empty() && s.label == maker)
+        if ((given.hasLabel ? s.label : s.name) == given.sampler)
             references.doubts.push_back(
-                {fmt::format("{} was rendered with \"{}\", which is compared here: its own errors are partly in the "
-                             "reference, so its measured error is too low.",
-                             settings.referenceFile, maker),
+                {fmt::format("{} was rendered with \"{}\", which is compared here: errors in common are not measured.",
+                             settings.referenceFile, given.sampler),
                  s.label});
     return references;
 }
@@ -321,23 +320,12 @@ std::string UserCacheFolder() {
 
 Reference ReadReference(const std::string &path, const LabScene &scene) {
     const ImageFile file = ReadImage(path);
-    const Bounds2i &wanted = scene.Pixels();
-    const Bounds2i have = file.metadata.pixelBounds.value_or(Bounds2i{{0, 0}, file.image.Resolution()});
-    const Point2i full = file.metadata.fullResolution.value_or(file.image.Resolution());
-    const bool covers = Intersect(wanted, have).Area() == wanted.Area();
-    if (full != scene.FullResolution() || !covers)
-        throw UserError(
-            "{}: the reference is {} x {} pixels (x {}-{}, y {}-{} of them); the film is {} x {} "
-            "and needs x {}-{}, y {}-{}. See --divisor.",
-            path, full.x, full.y, have.low.x, have.high.x, have.low.y, have.high.y, scene.FullResolution().x,
-            scene.FullResolution().y, wanted.low.x, wanted.high.x, wanted.low.y, wanted.high.y);
+    Reference reference = Described(path, file.metadata);
+    reference.image = scene.built.film->PixelsIn(file, path);
     const ImageMetadata own = scene.Metadata(*scene.built.film, "", 0, 0);
     RequireEqual<std::string>(path, file.metadata, own, "lightlab.sceneHash");
     RequireEqual<int>(path, file.metadata, own, "pbrt.maxDepth");
     RequireEqual<int>(path, file.metadata, own, "lightlab.sampledLight");
-    Reference reference = Described(path, file.metadata);
-    reference.image =
-        file.image.Select({"R", "G", "B"}, path + ":").Crop({wanted.low - have.low, wanted.high - have.low});
     if (!IsFinite(reference.image)) throw UserError("{}: the reference has pixels that are not finite.", path);
     return reference;
 }

@@ -66,9 +66,10 @@ double SecondsPerSample(const std::vector<PilotEntry> &entries, const SamplerCho
 double EstimateRuns(const ExperimentSettings &settings, const std::vector<PilotEntry> &entries);
 
 struct Reference {
-    Image image;                  ///< R, G, B over the film's pixels
-    std::vector<Image> parts;     ///< images of equal weight with mean `image`; empty: unknown
-    std::string sampler;          ///< label; empty: provided by the user
+    Image image;               ///< R, G, B over the film's pixels
+    std::vector<Image> parts;  ///< images of equal weight with mean `image`; empty: unknown
+    std::string sampler;       ///< label, or pbrt's name without parameters; empty: unknown
+    bool hasLabel = true;
     int samples = 0;              ///< per pixel, all parts; 0: unknown
     double seconds = 0;           ///< of rendering
     std::optional<double> noise;  ///< expected relL2 of `image`

@@ -78,7 +78,6 @@ void SummarizeOne(SamplerResult *s) {
 
     const double seconds = mean([](const RunRecord &r) { return r.rounds.back().spent.wall; });
     const double cpuSeconds = mean([](const RunRecord &r) { return r.rounds.back().spent.cpu; });
-    const double prepareCpuSeconds = mean([](const RunRecord &r) { return r.prepare.cpu; });
     const double shadowRays = mean([](const RunRecord &r) { return double(r.rounds.back().shadowRays); });
     const double blocked = mean([](const RunRecord &r) { return double(r.rounds.back().shadowRaysBlocked); });
     Json &json = s->summary;
@@ -91,16 +90,13 @@ void SummarizeOne(SamplerResult *s) {
                                             {"standardError", s->measures[m].standardError}};
     json["firefliesDecide"] = s->firefliesDecide;
     json["efficiency"] = Efficiency(error, seconds);
-    // Set by CompareSamplers.
-    for (const char *key : {"speedUp", "speedUpAgainst", "speedUps", "ratioToOracle"}) json[key] = Json();
     // Preparation not reported as prepass counts as building.
     json["overhead"] = {
         {"prepassSeconds", mean(PrepassSeconds)},
         {"buildSeconds", mean([](const RunRecord &r) { return std::max(0.0, r.prepare.wall - PrepassSeconds(r)); })},
         {"renderSeconds", mean([](const RunRecord &r) { return r.rounds.back().spent.wall - r.prepare.wall; })}};
     json["cpuSecondsPerSample"] = s->cpuPerSample;
-    json["relativeCost"] = Json();  // set by CompareSamplers
-    json["preparationShare"] = cpuSeconds > 0 ? prepareCpuSeconds / cpuSeconds : 0;
+    json["preparationShare"] = cpuSeconds > 0 ? mean([](const RunRecord &r) { return r.prepare.cpu; }) / cpuSeconds : 0;
     json["leaves"] = ReportMean(*s, "leaves");
     json["bytes"] = ReportMean(*s, "bytes");
     json["shadowRays"] = shadowRays;
@@ -167,15 +163,14 @@ void CompareSamplers(std::vector<SamplerResult> &samplers) {
         bySamples.emplace_back(Curve(s, true));
     }
     const double first = samplers.front().cpuPerSample;
+    const size_t oracle =
+        std::ranges::find_if(samplers, [](const auto &s) { return s.choice.traits.isInstrument; }) - samplers.begin();
     for (size_t i = 0; i < samplers.size(); ++i) {
         SamplerResult &mine = samplers[i];
-        std::optional<double> ratioToOracle;
         Json speedUps = Json::object();
         for (size_t k = 0; k < samplers.size(); ++k) {
             const SamplerResult &other = samplers[k];
             if (k == i) continue;
-            if (other.choice.traits.isInstrument && !ratioToOracle)
-                ratioToOracle = ErrorRatioAtEqualCost(bySamples[i], bySamples[k]);
             const std::optional<double> speedUp = SpeedUpToEqualError(bySeconds[i], bySeconds[k]);
             if (!speedUp) continue;
             speedUps[other.choice.label] = *speedUp;
@@ -185,11 +180,11 @@ void CompareSamplers(std::vector<SamplerResult> &samplers) {
                 mine.speedUpAgainst = other.choice.label;
             }
         }
-        if (mine.choice.traits.isInstrument) ratioToOracle = 1;
         mine.summary["speedUp"] = OrNull(mine.speedUp);
         mine.summary["speedUpAgainst"] = mine.speedUp ? Json(mine.speedUpAgainst) : Json();
         mine.summary["speedUps"] = speedUps;
-        mine.summary["ratioToOracle"] = OrNull(ratioToOracle);
+        mine.summary["ratioToOracle"] =
+            oracle < samplers.size() ? OrNull(ErrorRatioAtEqualCost(bySamples[i], bySamples[oracle])) : Json();
         mine.summary["relativeCost"] = first > 0 ? mine.cpuPerSample / first : 0;
     }
 }

@@ -128,7 +128,7 @@ std::string TableText(const ExperimentResults &results, const References &refere
         rows.push_back(
             {s.choice.label, fmt::format("{:.1f}", s.samples), optional(summary.at("seconds"), ""),
              fmt::format("{:.4g}", Get(s.measures, Measure::RelL2).mean),
-             fmt::format("{:.2g}", Get(s.measures, Measure::RelL2).standardError),
+             s.runs.size() > 1 ? fmt::format("{:.2g}", Get(s.measures, Measure::RelL2).standardError) : "-",
              fmt::format("{:.4g}{}", Get(s.measures, Measure::RelL2Trimmed).mean, s.firefliesDecide ? " !" : ""),
              fmt::format("{:.4g}", summary.at("efficiency").get<double>()), optional(summary.at("speedUp"), "x"),
              optional(summary.at("ratioToOracle"), ""), thousandths(overhead.at("prepassSeconds")),

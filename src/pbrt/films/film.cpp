@@ -149,6 +149,18 @@ Rgb AlbedoColor(const VisibleSurface &visible, const ColorSpace &space) {
     return space.ToRgb(xyz / CieYIntegral);
 }
 
+Image Film::PixelsIn(const ImageFile &file, const std::string &path) const {
+    const Bounds2i all{{0, 0}, file.image.Resolution()}, has = file.metadata.pixelBounds.value_or(all);
+    const Point2i full = file.metadata.fullResolution.value_or(all.high), needed = FullResolution();
+    const auto &[low, high] = PixelBounds();
+    if (full != needed || Intersect(PixelBounds(), has) != PixelBounds())
+        throw UserError(
+            "{}: the reference has x {}-{}, y {}-{} of {} x {} pixels; the film needs x {}-{}, y {}-{} of {} x {}.",
+            path, has.low.x, has.high.x, has.low.y, has.high.y, full.x, full.y, low.x, high.x, low.y, high.y, needed.x,
+            needed.y);
+    return file.image.Select({"R", "G", "B"}, path + ":").Crop({low - has.low, high - has.low});
+}
+
 void Film::Save(StateWriter &out) const {
     const std::vector<StateBlock> blocks = Blocks();
     out(kMagic, kind_, PixelBounds(), uint64_t{blocks.size()});

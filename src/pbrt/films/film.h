@@ -141,6 +141,8 @@ class Film {
     /// 1 / pixels of the full image: the factor of CameraConnection::weight for a splat.
     Float SplatUnit() const { return Float(1 / frame_.FullPixels()); }
     const Bounds2i &PixelBounds() const { return frame_.pixelBounds; }
+    /// R, G, B of this film's pixels in a file. Throws UserError if it lacks some, or is of another full resolution.
+    Image PixelsIn(const ImageFile &file, const std::string &path) const;
     const std::string &Filename() const { return frame_.filename; }
     Float DiagonalMm() const { return frame_.diagonalMm; }
     const ColorSpace &OutputSpace() const { return *frame_.outputSpace; }

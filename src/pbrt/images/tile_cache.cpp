@@ -8,11 +8,11 @@ namespace pbrt {
 
 TileCache::TileCache(int megabytes) : tiles_(oiio::Library().MakeTileStore(megabytes, kSize)) {
     static std::atomic<int> caches{0};
-    folder_ = std::filesystem::temp_directory_path() / fmt::format("pbrt_textures_{}_{}", getpid(), caches++);
-    registered_.emplace(folder_.string());
     std::error_code failed;
-    std::filesystem::create_directories(folder_, failed);
-    if (failed) throw UserError("{}: {}.", folder_.string(), failed.message());
+    folder_ = std::filesystem::temp_directory_path(failed) / fmt::format("pbrt_textures_{}_{}", getpid(), caches++);
+    registered_.emplace(folder_.string());
+    if (!failed) std::filesystem::create_directories(folder_, failed);
+    if (failed) throw UserError("{}: {}; $TMPDIR must be a folder.", folder_.string(), failed.message());
 }
 
 TileCache::~TileCache() {

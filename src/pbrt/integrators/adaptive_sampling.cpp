@@ -314,8 +314,9 @@ AdaptiveResult DescribeAdaptive(const Film &film, const Film &half, const Sample
         if (pixels == 0) continue;
         result.minSamples = result.maxSamples == 0 ? counts[i] : std::min(result.minSamples, counts[i]);
         result.maxSamples = std::max(result.maxSamples, counts[i]);
-        result.meanSamples += double(pixels) * counts[i] / double(film.PixelBounds().Area());
+        result.meanSamples += double(pixels) * counts[i];
     }
+    result.meanSamples /= double(film.PixelBounds().Area());
     const bool isBegun = average > plan.begin || plan.decisions == 0;  // else the last decision is not followed
     result.decisions = plan.decisions - int(!isBegun);
     result.uniformDecisions = plan.uniformDecisions - int(!isBegun && plan.isUniform);

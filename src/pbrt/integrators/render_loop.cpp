@@ -1,6 +1,6 @@
 #include <cerrno>
-#include <cstdio>
 #include <cstring>
+#include <fstream>
 #include <limits>
 
 #include "pbrt/images/metrics.h"
@@ -14,27 +14,18 @@ using Clock = Progress::Clock;
 /// Logs one line "samples, mean squared error" per wave against a reference image.
 class ReferenceLog {
   public:
-    /// Reads the reference and creates `outFile`; with empty names a log that does nothing. Throws UserError if the
-    /// reference does not cover the film or a file cannot be opened.
-    static ReferenceLog Open(const std::string &referenceImage, const std::string &outFile, const Film &film) {
+    /// Reads the reference and creates the file of errors, or appends to it in a resumed render; without names a log
+    /// that does nothing. Throws UserError if the reference does not cover the film or a file cannot be opened.
+    static ReferenceLog Open(const RenderSettings &settings, const Film &film) {
         ReferenceLog log;
-        if (referenceImage.empty()) return log;
-        ImageFile file = ReadImage(referenceImage);
-        const Bounds2i &wanted = film.PixelBounds();
-        Bounds2i have = file.metadata.pixelBounds.value_or(Bounds2i{{0, 0}, file.image.Resolution()});
-        if (Intersect(wanted, have) != wanted)
-            throw UserError("{}: the reference image covers x {}-{}, y {}-{}; the film needs x {}-{}, y {}-{}.",
-                            referenceImage, have.low.x, have.high.x, have.low.y, have.high.y, wanted.low.x,
-                            wanted.high.x, wanted.low.y, wanted.high.y);
-        log.reference_ = file.image.Select({"R", "G", "B"}, referenceImage + ":")
-                             .Crop({wanted.low - have.low, wanted.high - have.low});
-        log.name_ = outFile;
-        log.out_.reset(std::fopen(outFile.c_str(), "w"));
-        if (!log.out_) throw UserError("{}: cannot be written: {}.", outFile, std::strerror(errno));
+        const std::string &path = settings.mseReferenceImage;
+        if (path.empty()) return log;
+        log.reference_ = film.PixelsIn(ReadImage(path), path);
+        log.name_ = settings.mseReferenceOut;
+        log.out_.open(log.name_, settings.from ? std::ios::app : std::ios::out);
+        if (!log.out_) throw UserError("{}: cannot be written: {}.", log.name_, std::strerror(errno));
         return log;
     }
-
-    bool IsKept() const { return bool(reference_); }
 
     /// Writes and returns the mean squared error of the film over R, G and B; empty without a reference.
     std::optional<double> Log(int samples, const Film &film) {
@@ -43,9 +34,9 @@ class ReferenceLog {
         if (image.ChannelCount() > 3) image = image.Select({"R", "G", "B"});
         double mse = ImageError(image, reference_, Metric::MSE);
         // If the log cannot be written, the render continues without it.
-        if (out_ && (std::fprintf(out_.get(), "%d, %.9g\n", samples, mse) < 0 || std::fflush(out_.get()) != 0)) {
+        if (out_.is_open() && !(out_ << fmt::format("{}, {:.9g}\n", samples, mse) << std::flush)) {
             Fail();
-            out_.reset();
+            out_.close();
         }
         return mse;
     }
@@ -53,27 +44,24 @@ class ReferenceLog {
     /// Closes the file. Returns why it is incomplete; empty if complete.
     const std::string &Finish() {
         // Some file systems report failed writes only on close.
-        if (out_ && std::fclose(out_.release()) != 0) Fail();
+        if (out_.is_open()) out_.close();
+        if (failure_.empty() && !out_) Fail();
         return failure_;
     }
 
   private:
     ReferenceLog() = default;
-    struct Close {
-        void operator()(std::FILE *f) const { std::fclose(f); }
-    };
     void Fail() { failure_ = fmt::format("{}: cannot be written: {}.", name_, std::strerror(errno)); }
 
     Image reference_;
     std::string name_, failure_;
-    std::unique_ptr<std::FILE, Close> out_;
+    std::ofstream out_;
 };
 
 class WaveLoop {
   public:
     WaveLoop(const RenderContext &context, const RenderSettings &settings)
-        : context_(context), settings_(settings),
-          reference_(ReferenceLog::Open(settings.mseReferenceImage, settings.mseReferenceOut, context.film)),
+        : context_(context), settings_(settings), reference_(ReferenceLog::Open(settings, context.film)),
           renderer_(context, settings), secondsPerSample_(settings.secondsPerSample) {}
 
     RenderResult Run() {
@@ -95,7 +83,7 @@ class WaveLoop {
         Describe();
         if (settings_.checkpoint && isPrepared) settings_.checkpoint(renderer_.Position(), result_);
         renderer_.EndTogether();
-        result_.seconds = progress.SecondsSince(start_);
+        result_.seconds = settings_.secondsBefore + progress.SecondsSince(start_);
         progress.EndPhase();
         return result_;
     }
@@ -108,7 +96,8 @@ class WaveLoop {
     }
     /// Updates the result. The films are gathered.
     void Describe() {
-        result_.samplesTaken = renderer_.Done();
+        result_.samplesTaken = renderer_.Done() - settings_.firstSample;
+        result_.seconds = settings_.secondsBefore + context_.progress.SecondsSince(start_);
         if (context_.half)
             result_.adaptive =
                 DescribeAdaptive(context_.film, *context_.half, renderer_.Position().plan, renderer_.Done());
@@ -117,8 +106,7 @@ class WaveLoop {
     void Begin() {
         Progress &progress = context_.progress;
         const int64_t pixels = context_.film.PixelBounds().Area();
-        progress.BeginPhase("rendering",
-                            settings_.HasKnownEnd() ? pixels * (settings_.EndSample() - settings_.firstSample) : 0);
+        progress.BeginPhase("rendering", settings_.HasKnownEnd() ? pixels * settings_.SampleCount() : 0);
         start_ = progress.Now();
         // Light preparation may have taken long; a resumed render has just loaded its checkpoint.
         saved_ = settings_.from ? start_ : settings_.start;
@@ -167,8 +155,8 @@ class WaveLoop {
         const int taken = renderer_.Render(size);
         if (taken == 0) return false;
         secondsPerSample_ = context_.progress.SecondsSince(start) / taken;
-        if (settings_.afterWave || reference_.IsKept()) renderer_.Gather();
-        result_.mse = reference_.Log(renderer_.Done(), context_.film);
+        if (settings_.afterWave || !settings_.mseReferenceImage.empty()) renderer_.Gather();
+        result_.mse = reference_.Log(renderer_.Done() - settings_.firstSample, context_.film);
         if (!IsDone()) renderer_.DecideIfDue();
         ShowProgress();
         if (settings_.afterWave) {

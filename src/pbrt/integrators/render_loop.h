@@ -24,7 +24,7 @@ struct RenderPosition {
 
 struct RenderResult {
     int samplesTaken = 0;       ///< per pixel in the film; on cancel some pixels have more
-    double seconds = 0;         ///< rendering only
+    double seconds = 0;         ///< rendering only, with RenderSettings::secondsBefore
     bool cancelled = false;     ///< before all samples were taken
     std::optional<double> mse;  ///< against the reference, after the last wave
     std::string mseFailure;     ///< why RenderSettings::mseReferenceOut is incomplete; empty if complete
@@ -48,6 +48,7 @@ struct RenderSettings {
 
     /// If set, film and integrator are in this state, and the render resumes there.
     std::optional<RenderPosition> from;
+    double secondsBefore = 0;     ///< of rendering up to there
     double secondsPerSample = 0;  ///< for one sample of every pixel, if known; sets the size of the first wave
     /// Called between waves, at most every `checkpointInterval` seconds, and at the end, including cancellation.
     std::function<void(const RenderPosition &, const RenderResult &)> checkpoint;
@@ -56,6 +57,7 @@ struct RenderSettings {
     double maxWaveSeconds = 0;
     bool HasKnownEnd() const { return timeBudget <= 0 && noise <= 0; }
     int EndSample() const { return endSample > 0 ? endSample : samplesPerPixel; }
+    int SampleCount() const { return EndSample() - firstSample; }
 };
 
 struct RenderContext {

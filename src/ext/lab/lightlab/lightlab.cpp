@@ -2,6 +2,7 @@
 
 #include <cstdio>
 #include <exception>
+#include <filesystem>
 #include <new>
 #include <stdexcept>
 
@@ -35,6 +36,11 @@ std::optional<ExperimentOutcome> CompareOn(const ExperimentSettings &settings, c
         LogInfo(ResumeHint(options));
         return {};
     }
+    // A report of earlier results must not pass for one of these.
+    for (const auto &entry : std::filesystem::directory_iterator(settings.outFolder))
+        if (const std::string name = entry.path().filename();
+            name == "report.html" || name == "table.md" || name.starts_with("chart-"))
+            std::filesystem::remove(entry);
     std::printf("%s\n", outcome->text.c_str());
     std::fflush(stdout);
     signals.EndAtOnce(

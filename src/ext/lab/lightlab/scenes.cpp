@@ -36,9 +36,15 @@ img { display: block; width: 150px; border-radius: 3px; }
 )";
 
 struct Cell {
-    double error = 0, standardError = 0;
+    double error = 0;
     bool wins = false;
-    std::string biasVerdict, speedUp;  ///< as in results.json; no speed-up: empty
+    std::string biasVerdict, speedUp;          ///< as in results.json; no speed-up: empty
+    std::optional<double> standardError = {};  ///< empty: one seed
+
+    /// The standard error in this format; empty if unknown.
+    std::string Spread(const char *format) const {
+        return standardError ? fmt::format(fmt::runtime(format), *standardError) : "";
+    }
 };
 
 class Grid {
@@ -53,8 +59,9 @@ class Grid {
                 if (std::ranges::count(labels_, label) == 0) labels_.push_back(label);
                 const Json &summary = s.at("summary"), &error = summary.at("metrics").at("relL2");
                 const Json &speedUp = summary.at("speedUp");
-                row[label] = {error.at("mean"), error.at("standardError"), winner == label,
-                              summary.at("bias").at("verdict"), speedUp.is_number() ? speedUp.dump() : ""};
+                row[label] = {error.at("mean"), winner == label, summary.at("bias").at("verdict"),
+                              speedUp.is_number() ? speedUp.dump() : ""};
+                if (s.at("runs").size() > 1) row[label].standardError = error.at("standardError");
             }
         }
     }
@@ -87,8 +94,8 @@ std::string Csv(const std::vector<SceneOutcome> &outcomes) {
     for (size_t i = 0; i < outcomes.size(); ++i)
         for (const std::string &label : grid.Labels())
             if (const Cell *c = grid.At(i, label))
-                text += fmt::format("{},{},{:.9g},{:.9g},{},{},{},{}\n", Quoted(outcomes[i].folder), Quoted(label),
-                                    c->error, c->standardError, int(c->wins), c->biasVerdict, c->speedUp,
+                text += fmt::format("{},{},{:.9g},{},{},{},{},{}\n", Quoted(outcomes[i].folder), Quoted(label),
+                                    c->error, c->Spread("{:.9g}"), int(c->wins), c->biasVerdict, c->speedUp,
                                     Quoted(outcomes[i].folder + "/results.json"));
     return text;
 }
@@ -108,11 +115,10 @@ Json ScenesJson(const std::vector<SceneOutcome> &outcomes) {
 std::string Legend(const std::vector<SceneOutcome> &outcomes) {
     const auto compared = std::ranges::find_if(outcomes, [](const SceneOutcome &o) { return !o.results.is_null(); });
     if (compared == outcomes.end()) return "no scene was compared";
-    const std::string budget = compared->results.at("budget").dump();
-    const std::string unit = compared->results.at("mode") == "time" ? "s"
-                             : budget == "1"                        ? "sample per pixel"
-                                                                    : "samples per pixel";
-    return fmt::format("relL2 +- standard error, {} {} for every sampler and seed", budget, unit);
+    const Json &budget = compared->results.at("budget");
+    return fmt::format("relL2 +- standard error, {} for every sampler and seed",
+                       compared->results.at("mode") == "time" ? budget.dump() + " s"
+                                                              : CountText(budget.get<int>(), "sample") + " per pixel");
 }
 
 std::string PageRow(const std::string &folder, const SceneOutcome &o, size_t index, const Grid &grid) {
@@ -129,9 +135,9 @@ std::string PageRow(const std::string &folder, const SceneOutcome &o, size_t ind
     for (const std::string &label : grid.Labels()) {
         const Cell *cell = grid.At(index, label);
         row += !cell ? std::string("<td class=\"number\">–</td>")
-                     : fmt::format("<td class=\"number{}{}\">{:.3g}{}<small>± {:.2g}</small></td>",
-                                   cell->wins ? " winner" : "", cell->biasVerdict == "biased" ? " biased" : "",
-                                   cell->error, cell->wins ? " ★" : "", cell->standardError);
+                     : fmt::format("<td class=\"number{}{}\">{:.3g}{}{}</td>", cell->wins ? " winner" : "",
+                                   cell->biasVerdict == "biased" ? " biased" : "", cell->error, cell->wins ? " ★" : "",
+                                   cell->Spread("<small>± {:.2g}</small>"));
     }
     return row + fmt::format("<td>{}</td></tr>\n", EscapeHtml(o.results.at("conclusion").at("headline")));
 }
@@ -182,7 +188,7 @@ std::string ScenesText(const std::vector<SceneOutcome> &outcomes) {
         for (const std::string &label : grid.Labels()) {
             const Cell *c = grid.At(i, label);
             rows.back().push_back(!c ? "-"
-                                     : fmt::format("{:.3g} +- {:.2g}{}{}", c->error, c->standardError,
+                                     : fmt::format("{:.3g}{}{}{}", c->error, c->Spread(" +- {:.2g}"),
                                                    c->wins ? " *" : "", c->biasVerdict == "biased" ? " biased" : ""));
         }
     }

@@ -52,7 +52,6 @@ class Checkpoint {
     StateReader Learned() const { return file_->Learned(); }
     /// Loads the film and sets the resume position in `settings`; the integrator must be prepared. Throws UserError.
     void Begin(const BuiltScene &built, RenderSettings *settings) {
-        renderStart_ = std::chrono::steady_clock::now();
         if (!file_) {
             head_.samplesPerBatch = built.samplesPerPixel;
             if (isTimed_) head_.samplesFlag = built.integratorRequest.options.samplesPerPixel;  // as --time planned
@@ -83,17 +82,19 @@ class Checkpoint {
         // Earlier runs count towards the budget.
         settings->start -= std::chrono::duration_cast<std::chrono::steady_clock::duration>(
             std::chrono::duration<double>(secondsBefore_));
+        settings->secondsBefore = head_.renderSeconds;
         settings->firstSample = head_.first;
         settings->endSample = head_.end;
         LogInfo("Resuming from {}, after {} per pixel.", path_, CountText(head_.done - head_.first, "sample"));
         file_.reset();  // frees its memory
     }
-    /// Writes the file. Failures are logged as warnings; Failure() is the message of the last call.
-    void Write(const BuiltScene &built, const RenderPosition &position, const ImageMetadata &metadata) {
+    /// Writes the file; `seconds` of rendering. Failures are logged as warnings; Failure() is the message of the last
+    /// call.
+    void Write(const BuiltScene &built, const RenderPosition &position, double seconds, const ImageMetadata &metadata) {
         head_.done = position.done;
         head_.passCount = position.passCount;
         head_.seconds = secondsBefore_ + SecondsSince(start_);
-        head_.renderSeconds = renderSecondsBefore_ + SecondsSince(renderStart_);
+        head_.renderSeconds = seconds;
         head_.metadata = metadata;
         RenderFileHead written = head_;
         if (isEndOpen_) written.end = 0;
@@ -111,7 +112,6 @@ class Checkpoint {
         }
     }
     const std::string &Failure() const { return failure_; }
-    double RenderSecondsBefore() const { return renderSecondsBefore_; }
 
   private:
     Checkpoint() = default;
@@ -140,15 +140,14 @@ class Checkpoint {
             fail(fmt::format("has {} per pixel already{}; --spp can only be larger", CountText(old.done, "sample"),
                              old.passCount > 0 ? fmt::format(", and some up to {}", old.done + old.passCount) : ""));
         secondsBefore_ = old.seconds;
-        renderSecondsBefore_ = old.renderSeconds;
         build->samplesPerPixel = old.samplesFlag;
     }
 
     std::string path_, failure_;
     RenderFileHead head_;
     std::unique_ptr<RenderFile> file_;
-    std::chrono::steady_clock::time_point start_ = std::chrono::steady_clock::now(), renderStart_;
-    double secondsBefore_ = 0, renderSecondsBefore_ = 0;
+    std::chrono::steady_clock::time_point start_ = std::chrono::steady_clock::now();
+    double secondsBefore_ = 0;
     bool isTimed_ = false, isEndOpen_ = false;
 };
 

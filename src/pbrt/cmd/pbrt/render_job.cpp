@@ -294,7 +294,7 @@ class RenderJob {
         if (options_.writePartialImages || live_.HasViewers())
             settings.afterWave = [this, &settings, &writer](const RenderResult &until) {
                 // The last image follows at the end of the render.
-                if (options_.timeBudget <= 0 && until.samplesTaken == settings.EndSample()) return;
+                if (options_.timeBudget <= 0 && until.samplesTaken == settings.SampleCount()) return;
                 if (live_.HasViewers())
                     settings.maxWaveSeconds = std::max(kLiveWaveSeconds, live_.AfterWave(*built_->film, until));
                 if (options_.writePartialImages) writer.WritePartial(until);
@@ -305,14 +305,14 @@ class RenderJob {
                          .filename = built_->filename,
                          .fullResolution = built_->film->FullResolution(),
                          .pixelBounds = built_->film->PixelBounds(),
-                         .samples = settings.HasKnownEnd() ? settings.EndSample() : 0,
+                         .samples = settings.HasKnownEnd() ? settings.SampleCount() : 0,
                          .timeBudget = options_.timeBudget});
         }
         // Checkpoints require a completed preparation.
         if (checkpoint_ && !progress_.Cancelled()) {
             settings.checkpointInterval = options_.checkpointInterval;
             settings.checkpoint = [this](const RenderPosition &position, const RenderResult &until) {
-                checkpoint_->Write(*built_, position, DescribeImage(options_, *built_, until, timings_));
+                checkpoint_->Write(*built_, position, until.seconds, DescribeImage(options_, *built_, until, timings_));
             };
         }
     }
@@ -322,10 +322,9 @@ class RenderJob {
         ImageWriter writer(options_, built, timings_, signals_);
         SetCallbacks(writer);
         writer.SetRendering();
-        RenderResult result = RenderWaves(built.Rendering(progress_, team_), *settings_);
+        const RenderResult result = RenderWaves(built.Rendering(progress_, team_), *settings_);
         const uint64_t sent = ReduceCounters(team_);
-        timings_.render = result.seconds;
-        if (checkpoint_) result.seconds += checkpoint_->RenderSecondsBefore();
+        timings_.render = result.seconds - settings_->secondsBefore;
         live_.Finish(*built.film, result);
         progress_.BeginPhase("writing", 0);
         DiagnosticSink failures;  // after each of them, everything else is still written

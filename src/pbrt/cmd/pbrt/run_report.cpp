@@ -106,7 +106,7 @@ ImageMetadata DescribeImage(const CommandLine &options, const BuiltScene &built,
 void PrintStatistics(const BuiltScene &built, const RenderResult &result, const Timings &timings) {
     const RenderCounters c = SumCounters();
     const auto ratio = [](uint64_t part, uint64_t whole) { return whole ? double(part) / double(whole) : 0.0; };
-    const auto perSecond = [&](uint64_t count) { return double(count) / std::max(1e-9, result.seconds) / 1e6; };
+    const auto perSecond = [&](uint64_t count) { return double(count) / std::max(1e-9, timings.render) / 1e6; };
     std::printf("Statistics\n");
     for (const Timings::Phase &p : timings.Phases()) PrintLine(fmt::format("{} (s)", p.name), "{:.3f}", p.seconds);
     PrintLine("total (s)", "{:.3f}", timings.Total());

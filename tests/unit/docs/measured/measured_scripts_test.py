@@ -217,14 +217,21 @@ class Scripts(Folder):
                          [["24", "biased", "", ""]] + [["24", "unknown", "8.3", "5"]] * 2)
 
     def test_a_failed_experiment_is_reported(self):
-        done = self.run_script("bias", "--only", "hotel", STAND_IN_FAIL="hotel")
-        self.assertEqual(done.returncode, 1)
-        self.assertIn("*** hotel: lightlab ended with status 1 ***", done.stdout)
+        for script in ("bias", "run"):
+            done = self.run_script(script, "--only", "hotel,slit", STAND_IN_FAIL="hotel")
+            self.assertEqual((done.returncode, {r["scene"] for r in self.rows()}), (1, {"slit"}))
+            self.assertIn("*** hotel: lightlab ended with status 1 ***", done.stdout)
 
     def test_tables_only_measures_nothing(self):
         done = self.run_script("run", "--tables-only", "--only", "hotel")
         self.assertEqual((done.returncode, self.commands()), (1, []))
         self.assertIn("SKIPPED: no experiment of hotel", done.stdout)
+
+    def test_tables_only_skips_experiments_without_a_sampler(self):
+        self.run_script("run", "--only", "hotel", "--samplers", "octree;bvh")
+        done = self.run_script("run", "--tables-only", "--only", "hotel", "--samplers", "octree;bvh;neepp")
+        self.assertEqual((done.returncode, done.stderr), (1, ""))
+        self.assertIn("neepp", done.stdout)
 
     def test_octree_must_be_among_the_samplers(self):
         done = self.run_script("run", "--samplers", "bvh;uniform")

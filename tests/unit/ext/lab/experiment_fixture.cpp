@@ -81,11 +81,11 @@ Experiment::Experiment() {
 
 Experiment::~Experiment() { SetLogLevel(LogLevel::Info); }
 
-void Experiment::AddSampler(const std::string &name, size_t blind) {
+void Experiment::AddSampler(const std::string &name, size_t blind, LightSamplerTraits traits) {
     auto make = [blind, interrupt = switch_](NoParams, const ParamSet &, const LightGroups &groups) {
         return std::make_unique<TestSampler>(groups.LightCount(), blind, interrupt);
     };
-    registry_.samplers.Add<NoParams>(name, "of the test", make);
+    registry_.samplers.Add<NoParams>(name, "of the test", make, traits);
 }
 
 ExperimentSettings Experiment::Settings(const std::string &out, const std::vector<std::string> &samplers) {

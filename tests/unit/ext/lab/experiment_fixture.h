@@ -38,7 +38,7 @@ class Experiment : public pbrt::test::FolderTest {
   protected:
     Experiment();
     ~Experiment() override;
-    void AddSampler(const std::string &name, size_t blind);
+    void AddSampler(const std::string &name, size_t blind, LightSamplerTraits traits = {});
     ExperimentSettings Settings(const std::string &out, const std::vector<std::string> &samplers);
     /// Nothing if the experiment is cancelled.
     std::optional<ExperimentOutcome> TryToRun(const ExperimentSettings &settings);

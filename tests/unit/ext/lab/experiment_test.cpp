@@ -208,6 +208,21 @@ TEST_F(Experiment, SamplerOfRareHitsIsNotTakenForAQuietOne) {
     EXPECT_GT(pilot.at(2).at("variance").get<double>(), 10 * pilot.at(1).at("variance").get<double>());
 }
 
+TEST_F(Experiment, RatiosAreToTheFirstOracle) {
+    AddSampler("meter", 0, {.isInstrument = true});
+    AddSampler("rough", 1, {.isInstrument = true});
+    ExperimentSettings settings = Settings("out", {"uniform", "meter", "rough"});
+    settings.samplesPerPixel = 1;
+    settings.views = false;
+    const ExperimentOutcome outcome = Run(settings);
+    const auto error = [&](size_t i) {
+        return SummaryOf(outcome, i).at("metrics").at("relL2").at("mean").get<double>();
+    };
+    for (size_t i : {0, 1, 2})
+        EXPECT_NEAR(SummaryOf(outcome, i).at("ratioToOracle").get<double>(), error(i) / error(1), 1e-6) << i;
+    EXPECT_NE(error(1), error(2));
+}
+
 TEST_F(Experiment, ComparesGuidedPathsWithPlainOnes) {
     // Paths that end at their second vertex have no roulette.
     std::string scene = ThreeLights();

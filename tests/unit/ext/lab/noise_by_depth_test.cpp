@@ -1,5 +1,6 @@
 #include "ext/lab/noise_by_depth.h"
 #include "experiment_fixture.h"
+#include "pbrt/core/files.h"
 
 namespace ext::lab {
 
@@ -58,6 +59,28 @@ TEST_F(Experiment, AttributesNoiseToPathDepth) {
     EXPECT_GT(fs::file_size(folder_ / "noise/index.html"), 1000u);
     settings.seeds = 1;
     EXPECT_THROW(RunNoise(settings, registry_, progress), UserError);
+}
+
+TEST_F(Experiment, NoiseMayFallWithPathDepth) {
+    // The sky behind the sphere has its light only from the second event on: before, the outline is noisy.
+    Write("scene.pbrt", SceneText()
+                            .Head("Option 'disablewavelengthjitter' true")
+                            .LookAt("0 0 -6  0 0 0  0 1 0")
+                            .Camera(30)
+                            .Film(8, 8, "'string filename' 'scene.exr'")
+                            .Samples(4)
+                            .Integrator("path", 2)
+                            .World(Objects().Sky("1 1 1").Material("dielectric", "'float eta' 1.01").Sphere()));
+    Progress progress;
+    testing::internal::CaptureStdout();
+    RunNoise(Settings("noise", {"uniform"}), registry_, progress);
+    testing::internal::GetCapturedStdout();
+    const Json depths = ReadJson(folder_ / "noise/noise.json").at("samplers").at(0).at("depths");
+    const double first = depths.at(0).at("plain"), last = depths.at(1).at("plain");
+    EXPECT_LT(last, 0.5 * first);
+    const std::string page = ReadFileContents(Path("noise/index.html"));
+    EXPECT_NE(page.find(fmt::format(">{:.3g}</text>", last)), std::string::npos);
+    EXPECT_EQ(page.find(fmt::format(">{:.3g}</text>", first)), std::string::npos);
 }
 
 }  // namespace ext::lab

@@ -127,7 +127,6 @@ TEST_F(Experiment, FilmPositionsOfPartsRunsAndBatchesDiffer) {
         Write("scene.pbrt", VisibleLight(type));
         ExperimentSettings settings = Settings("out-" + type, {"uniform"});
         settings.cacheFolder = Path("cache-" + type);
-        settings.referenceSamples = 16;
         settings.selectionWork = 0;
         settings.views = false;
         Run(settings);
@@ -144,6 +143,9 @@ TEST_F(Experiment, FilmPositionsOfPartsRunsAndBatchesDiffer) {
             return ReadImage(Path(fmt::format("out-{}/uniform/seed{}.exr", type, seed))).image;
         };
         EXPECT_GT(Difference(run(0), run(1)), kDiffer) << type;
+        // A part has the samples of a run: 32 / 8 = 4.
+        for (const Image &part : parts)
+            for (int seed : {0, 1}) EXPECT_GT(Difference(run(seed), part), kDiffer) << type << seed;
 
         // A batch has four samples per pixel.
         Progress progress;
@@ -200,6 +202,24 @@ TEST_F(Experiment, GivenReferenceIsUsedAsItIs) {
     EXPECT_EQ(Run(settings).results.at("references").size(), 1u);
     ExpectSamePixels(Path("one/reference-0.exr"), Path("two/reference-0.exr"));
     EXPECT_FALSE(fs::exists(folder_ / "two/records/pilot.json"));
+}
+
+TEST_F(Experiment, GivenReferencesOfAComparedSamplerAreDoubted) {
+    Run(Settings("one", {"power"}));
+    ImageFile file = ReadImage(Path("one/reference-0.exr"));
+    // A header of lightlab has the label, that of pbrt the name without parameters.
+    for (const auto &[attribute, doubted] : {std::pair{"lightlab.sampler", 1u}, {"lightSampler", 2u}}) {
+        file.metadata.attributes.erase("lightlab.sampler");
+        file.metadata.attributes[attribute] = std::string("honest");
+        ExperimentSettings settings = Settings(attribute, {"honest", "uniform", "honest+guide"});
+        settings.referenceFile = Path("given.exr");
+        settings.samplesPerPixel = 1;
+        settings.views = false;
+        WriteImage(settings.referenceFile, file.image, file.metadata);
+        const Json results = Run(settings).results;
+        EXPECT_EQ(results.at("references").at(0).at("sampler"), "honest");
+        EXPECT_EQ(results.at("conclusion").at("doubts").size(), doubted) << attribute;
+    }
 }
 
 TEST_F(Experiment, ReferencesOfOtherScenesAndSettingsAreErrors) {

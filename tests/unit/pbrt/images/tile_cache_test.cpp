@@ -48,6 +48,13 @@ TEST(TileCache, ItsFolderGoesWithIt) {
     EXPECT_EQ(FoldersOfThisProcess(), before);
 }
 
+TEST(TileCache, AMissingFolderOfTemporaryFilesIsAnErrorOfTheUser) {
+    const std::string before = std::filesystem::temp_directory_path().string();
+    setenv("TMPDIR", "/nonexistent", 1);
+    EXPECT_THROW(TileCache(1), UserError);
+    setenv("TMPDIR", before.c_str(), 1);
+}
+
 TEST(TileCache, MemoryStaysWithinTheLimit) {
     TileCache cache(4);
     const Image image = NoiseImage(PixelFormat::Float, {2048, 1024}, kRgb);  // 25 MB

@@ -316,7 +316,7 @@ TEST_F(RenderLoop, ATimeBudgetEndsTheRenderAndItsLastWaveFits) {
 
 TEST_F(RenderLoop, EveryWaveIsComparedWithTheReference) {
     settings_.samplesPerPixel = 4;
-    settings_.mseReferenceImage = WriteReference(2, 0.25f);
+    settings_.mseReferenceImage = WriteReference(1, 0.25f);
     settings_.mseReferenceOut = Path("errors.txt");
     const RenderResult result = Run();
     EXPECT_EQ(result.mseFailure, "");
@@ -356,6 +356,9 @@ TEST_F(RenderLoop, AReferenceMustCoverTheFilm) {
     EXPECT_THROW(Run(), UserError);
     settings_.mseReferenceOut = Path("errors.txt");
     EXPECT_NO_THROW(Run());
+    WriteReference(2, 1);
+    EXPECT_THROW(Run(), UserError);
+    WriteReference(1, 1);
     ImageMetadata elsewhere;
     elsewhere.pixelBounds = Bounds2i{{1, 0}, {2, 1}};
     WriteImage(Path("reference.exr"), ReadImage(Path("reference.exr")).image, elsewhere);

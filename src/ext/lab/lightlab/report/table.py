@@ -16,7 +16,7 @@ class Column:
 def with_error(metric):
     def show(s):
         mean, error = s.error(metric), s.error(metric, "standardError")
-        return figures(mean) + (f" ± {figures(error, 2)}" if mean is not None and error is not None else "")
+        return figures(mean) + (f" ± {figures(error, 2)}" if mean is not None and len(s.entry.get("runs") or []) > 1 else "")
     return show
 
 

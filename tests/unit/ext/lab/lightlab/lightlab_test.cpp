@@ -310,6 +310,10 @@ TEST_F(Lightlab, MissingScriptsCostTheReportOnly) {
         EXPECT_TRUE(Exists(out + "/results.json"));
     };
     expectNoReport("one", "LIGHTLAB_REPORT_SCRIPTS", Path("nowhere"), {"charts.py is missing"});
+    // A report of earlier results does not pass for one of these.
+    for (const char *file : {"one/report.html", "one/table.md", "one/chart-crops.png"}) Write(file, "old");
+    expectNoReport("one", "LIGHTLAB_REPORT_SCRIPTS", Path("nowhere"), {"charts.py is missing"});
+    for (const char *file : {"one/report.html", "one/table.md", "one/chart-crops.png"}) EXPECT_FALSE(Exists(file));
     expectNoReport("two", "LIGHTLAB_PYTHON", "/nonexistent/python", {"/nonexistent/python", "not started"});
 }
 
@@ -386,6 +390,22 @@ TEST_F(Lightlab, SeveralScenesMakeOneTableAndAPage) {
     // The same command renders nothing again.
     const Outcome again = Run(scenes + kSmall);
     EXPECT_EQ(again.out, o.out);
+}
+
+TEST_F(Lightlab, InspectionsOfVariantsHaveFoldersOfTheirOwn) {
+    for (const std::string sampler : {"uniform", "uniform+guide"}) {
+        RunWell("inspect scene.pbrt --samples 1 --divisor 4 --sampler " + sampler);
+        EXPECT_EQ(nlohmann::json::parse(Read("inspect-" + sampler + "/inspect.json"))["sampler"], sampler);
+    }
+}
+
+TEST_F(Lightlab, OneSeedHasNoStandardError) {
+    Write("b.pbrt", SmallScene());
+    const Outcome o =
+        Run("scene.pbrt b.pbrt --samplers uniform --spp 1 --seeds 1 --reference-spp 8 --selection-work 0 --no-report");
+    EXPECT_FALSE(Has(o.out, "+- 0")) << o.out;
+    EXPECT_FALSE(Has(Read("scenes-lab/index.html"), "±"));
+    EXPECT_TRUE(Has(Read("scenes-lab/scenes.csv"), ",,0,"));
 }
 
 TEST_F(Lightlab, AWrongSceneKeepsNoOtherFromBeingCompared) {

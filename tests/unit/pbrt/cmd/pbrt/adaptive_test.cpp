@@ -139,6 +139,8 @@ TEST_F(Adaptive, StatisticsAreReported) {
     EXPECT_GE(json["maxSamples"], json["minSamples"]);
     EXPECT_GE(json["decisions"], json["uniformDecisions"]);
     EXPECT_GE(json["predictedGain"], 0);
+    const std::string few = Run("ball.pbrt --adaptive --spp 4 --stats=json --outfile x.exr").out;
+    EXPECT_EQ(nlohmann::json::parse(few)["adaptive"]["meanSamples"], 4.0);
     EXPECT_LE(NumberOf(Render("ball.pbrt --time 0.5 --noise 0.2"), "pbrt.noise"), 0.2);
 }
 

@@ -83,6 +83,18 @@ TEST_F(Checkpoints, AFinishedRenderResumesWithMoreSamples) {
          {lights_ + "scene.pbrt --checkpoint a.chk", {"a.chk: exists already", "--resume"}}});
 }
 
+TEST_F(Checkpoints, StatisticsAreOfThisRunAndTheHeaderOfAll) {
+    Write("scene.pbrt", SmallScene());
+    RunWell("--spp 128 --checkpoint a.chk --outfile first.exr scene.pbrt");
+    const std::string text = Run("--spp 160 --checkpoint a.chk --resume --stats --outfile out.exr scene.pbrt").out;
+    const auto number = [&](const std::string &name) { return std::stod(text.substr(text.find(name) + name.size())); };
+    const double all = NumberOf(ReadImage(Path("out.exr")), "renderTimeSeconds");
+    EXPECT_GT(all, NumberOf(ReadImage(Path("first.exr")), "renderTimeSeconds"));
+    EXPECT_EQ(number("camera paths"), 32 * 24 * 32);
+    EXPECT_GT(1e6 * number("rays per second (million)") * all,
+              1.5 * (number("closest-hit rays") + number("shadow rays")));
+}
+
 TEST_F(Checkpoints, TimedRendersResumeAndHaveTheBitsOfTheirNumberOfSamples) {
     Write("scene.pbrt", LearningScene("rgb", 8));
     // A finished run has no time left; a longer time adds samples. Time that was spent counts.

@@ -305,6 +305,8 @@ TEST_F(Flags, StatisticsAsJsonAreAllOfStandardOutput) {
     EXPECT_EQ(json["counts"]["cameraPaths"], 32 * 24 * 2);
     EXPECT_EQ(json["lightSampler"]["name"], "bvh");
     EXPECT_FALSE(json["isInterrupted"]);
+    const std::string part = Run("--spp 4 --samples 1:4 --checkpoint part --stats=json scene.pbrt").out;
+    EXPECT_EQ(nlohmann::json::parse(part)["samplesPerPixel"], 3);
     EXPECT_EQ(Run("--spp 1 --stats=text --outfile out.exr scene.pbrt").out.substr(0, 10), "Statistics");
     ExpectErrors({{"--stats=yaml scene.pbrt", {"--stats", "text", "json"}}});
 }

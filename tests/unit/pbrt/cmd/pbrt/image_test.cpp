@@ -151,6 +151,20 @@ TEST_F(Images, ErrorAgainstAReferenceFallsWaveByWave) {
     EXPECT_GT(mse.back(), 0);
     EXPECT_LT(mse.back(), mse.front() / 8);
     EXPECT_NEAR(NumberOf(file, "MSE"), mse.back(), 1e-5 * mse.back());
+    const std::string part = "--spp 400 --seed 99 --pixelbounds 13 19 10 14 --mse-reference-out part.txt scene.pbrt ";
+    EXPECT_EQ(NumberOf(Render(part + "--mse-reference-image reference.exr"), "MSE"), 0);
+    ExpectErrors({{"--quick --mse-reference-image reference.exr --mse-reference-out quick.txt scene.pbrt",
+                   {"reference.exr: ", "32 x 24", "8 x 6"}}});
+}
+
+TEST_F(Images, AResumedRenderKeepsTheErrorsOfEarlierWaves) {
+    Render("--spp 1 scene.pbrt", "reference.exr");
+    const std::string render =
+        "--mse-reference-image reference.exr --mse-reference-out mse.txt --checkpoint c.chk --resume scene.pbrt ";
+    Render(render + "--spp 2");
+    const std::string first = Read("mse.txt");
+    Render(render + "--spp 4");
+    EXPECT_TRUE(Read("mse.txt").starts_with(first + "3, ")) << Read("mse.txt");
 }
 
 }  // namespace pbrt::test

@@ -207,6 +207,7 @@ TEST_F(Signals, PartialPicturesShowTheWavesSoFarAndLeaveABetterOneAlone) {
     const ImageFile partial = ReadImage(Path("out-unfinished.exr"));
     EXPECT_GE(IntOf(partial, "samplesPerPixel"), 1);
     EXPECT_LT(IntOf(partial, "samplesPerPixel"), 100000000);
+    EXPECT_GT(NumberOf(partial, "renderTimeSeconds"), 0);
     EXPECT_FALSE(partial.metadata.attributes.contains("pbrt.interrupted"));
     End(pid, SIGINT);
     EXPECT_EQ(Read("out.exr"), before);

@@ -99,6 +99,11 @@ class Files(WithFolder):
         self.assertFalse((self.out / "chart-error-time.svg").exists())
         self.assertIn("uniform", self.page())
 
+    def test_OneSeedHasNoStandardError(self):
+        for seeds in (1, 2):
+            synthetic.make(self.out, ["uniform", "octree"], seeds=seeds, rounds=1, winner=None)
+            self.assertEqual(re.search(r"\d ± \d", self.page()) is not None, seeds > 1)
+
     def test_TextOfTheRunCannotBecomeMarkup(self):
         results = synthetic.make(self.out, ["uniform", "octree"])
         evil = '</script><img src=x onerror=alert(1)>&"'

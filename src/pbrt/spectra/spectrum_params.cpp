@@ -102,7 +102,7 @@ SpectrumPtr SpectrumParam::Make(const FileResolver &files) const {
 
 /// The entity's own parameter overrides Attribute defaults, whose last applies. Own ones of two types are an error.
 void ReadParam(ParamReader &reader, const std::string &name, SpectrumParam &value) {
-    constexpr std::array kTypes = {ParamType::Float, ParamType::Rgb, ParamType::Blackbody, ParamType::Spectrum};
+    static constexpr std::array kTypes = {ParamType::Float, ParamType::Rgb, ParamType::Blackbody, ParamType::Spectrum};
     const auto types = std::span(kTypes).subspan(value.takesFloat ? 0 : 1);
     value.set = &reader.Set();
     value.given = value.set->FindIf(name, [&](ParamType type) { return std::ranges::count(types, type) > 0; });

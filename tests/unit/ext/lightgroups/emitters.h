@@ -27,7 +27,7 @@ inline std::string NameOf(const testing::TestParamInfo<PatchCounts> &p) {
 
 /// `count` flat patches at random places in a cube, with `far` infinite lights among them.
 inline std::vector<Emitter> Patches(int count, int far) {
-    Rng rng(uint64_t(count));
+    Rng rng(count);
     std::vector<Emitter> emitters;
     for (int i = 0; i < std::max(count, far); ++i) {
         const Point3 p(rng.Uniform(), rng.Uniform(), rng.Uniform());

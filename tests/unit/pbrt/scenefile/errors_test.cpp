@@ -165,7 +165,7 @@ TEST(Collection, ManyErrorsAreCountedAndAMistakeOfMegabytesIsCut) {
     EXPECT_EQ(many.sink.ErrorCount(), 40'000u);
     EXPECT_EQ(many.sink.All().size(), kMaxDiagnostics);
 
-    const std::string monster(5'000'000, 'x');
+    const std::string monster(2'000'000, 'x');
     for (const std::string &bad :
          {"Shape '" + monster + "' 'float a' [ '" + monster + "' ]", "Shape 's' '" + monster + " a' 1", monster,
           "'" + monster + "'", "Shape 's' 'float " + monster + "' true", "Option '" + monster + "' 1",

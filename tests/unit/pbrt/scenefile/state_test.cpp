@@ -215,7 +215,7 @@ TEST(Attribute, GivesDefaultsToItsKindOnly) {
 // If every directive copied the parameters of those before it, a scope would make five billion copies, which takes
 // minutes.
 TEST(Attribute, ManyDirectivesTakeTimeByTheirNumber) {
-    constexpr int kCount = 100000;
+    constexpr int kCount = 50000;
     std::string text, inner;
     for (int i = 0; i < kCount; ++i) text += fmt::format("Attribute 'shape' 'float a{}' {}\n", i % 1000, i);
     for (int i = 0; i < kCount; ++i) inner += fmt::format("Attribute 'shape' 'float b{}' {}\n", i % 1000, i);

@@ -102,7 +102,7 @@ class Curves final : public Shape {
     /// From the segments' space. Identity if renderFromObject scales uniformly: then segments are in rendering space.
     Transform renderFromSegments_;
     bool isPlaced_;
-    Vector3 errorOfWidth_{1};  ///< half extents, in the segments' space, of an object space box of half extents 1
+    Vector3 errorOfWidth_{1};  ///< error bound over the width: a cube of object space, bounded in the segments' space
     Float side_ = 1;           ///< -1 if the segments' space mirrors object space
     Float normalSide_;
 };

@@ -128,7 +128,9 @@ class CameraPath {
 
     /// Advances to the next vertex. Returns false if the path ends.
     bool Step() {
+        const EnvironmentTable::Lookahead lookahead = LookAheadForLightSample();
         const PathWalk::Met met = walk_.Next();
+        lookahead.Continue();
         if (met == PathWalk::Met::TooManyInterfaces) return false;
         if constexpr (Throughput::kHasMedia)
             if (const Medium *medium = walk_.MediumAhead())
@@ -142,6 +144,15 @@ class CameraPath {
         if (scatters) return ScatterAtSurface();
         if (!settings_.seesThroughInterfaces) lightCouldSample_ = false;
         return true;
+    }
+
+    /// Reads ahead for the light sample of the next vertex while its ray is traced.
+    EnvironmentTable::Lookahead LookAheadForLightSample() {
+        const EnvironmentTable *const table = scene_.Lights().FirstEnvironmentTable();
+        if (!table) return {};
+        const bool drawsRoulette = directions_.HasLearnedRoulette() && depth_ >= 2;
+        const Point2 *const u = sampler_.Upcoming2D(drawsRoulette ? 2 : 1);
+        return u ? EnvironmentTable::Lookahead(*table, *u) : EnvironmentTable::Lookahead();
     }
 
     void AddEmission(PathWalk::Met met) {

@@ -1,7 +1,9 @@
 #pragma once
 #include "pbrt/lights/light.h"
+#include "pbrt/math/distributions.h"
 #include "pbrt/math/frame.h"
 #include "pbrt/math/warps.h"
+#include "pbrt/spectra/color_space.h"
 
 namespace pbrt {
 
@@ -36,6 +38,9 @@ class LightBeyondScene : public Light {
     Float sceneRadius_ = 0;
 };
 
+/// Density of an environment map's pixels, with their colours.
+using EnvironmentTable = PiecewiseConstantGrid<ScaledPolynomial>;
+
 /// Directional radiance from outside the scene, from all sides or through one opening.
 class EnvironmentLight : public LightBeyondScene {
   public:
@@ -46,6 +51,8 @@ class EnvironmentLight : public LightBeyondScene {
     virtual Float MeanRadiance(const Vector3 &d) const = 0;
     /// Pixels per side of the image; 1 without image.
     virtual int Resolution() const = 0;
+    /// Table that SampleLi(u) samples with u where pdfs may be incomplete; null if it samples no table.
+    virtual const EnvironmentTable *Table() const { return nullptr; }
     /// Bounds of the opening through which the light enters, as an emitter; empty without opening. Stock light samplers
     /// treat lights with an opening like any other infinite light.
     virtual std::optional<LightBounds> Opening() const { return {}; }

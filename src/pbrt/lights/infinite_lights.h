@@ -97,7 +97,7 @@ class ImageInfiniteLight final : public EnvironmentLight {
             anyLeft |= w > 0;
         }
         if (!anyLeft) std::fill(weights.begin(), weights.end(), Float(1));
-        compensated_ = PiecewiseConstantGrid<ScaledPolynomial>(weights, n.x, n.y);
+        compensated_ = EnvironmentTable(weights, n.x, n.y);
         ParallelForEach(n.y, 8, [&](int64_t y) {
             for (Point2i p(0, int(y)); p.x < n.x; ++p.x)
                 compensated_.ValueOf(p.x, p.y) = ScaledPolynomial::Of(colorSpace, LightPixel(image_, p));
@@ -117,6 +117,7 @@ class ImageInfiniteLight final : public EnvironmentLight {
         return MeanOf(LightPixel(image_, PixelAt(SquareTowards(d), image_.Resolution())));
     }
     int Resolution() const override { return image_.Resolution().x; }
+    const EnvironmentTable *Table() const override { return &compensated_; }
 
   private:
     /// Samples pixels in proportion to their mean of R, G, B; if pdfs may be incomplete, to the excess over the image
@@ -165,7 +166,7 @@ class ImageInfiniteLight final : public EnvironmentLight {
     const ColorSpace *colorSpace_;
     Float scale_;
     PiecewiseConstant2D distribution_;
-    PiecewiseConstantGrid<ScaledPolynomial> compensated_;  ///< with the pixels' colours
+    EnvironmentTable compensated_;  ///< with the pixels' colours
 };
 
 /// Environment light visible only through a rectangle, from one side (Bitterli, Wyman and Pharr 2015). As in stock

@@ -42,6 +42,16 @@ class PiecewiseConstantRows {
         const Piece &piece;
     };
     Sampled Sample(size_t row, Float u) const;
+    /// The two entries of the lookup table that Sample(row, u) reads.
+    const uint32_t *CutsAround(size_t row, Float u) const {
+        return &cuts_[row * (cutCount_ + 1)] + std::min(size_t(u * Float(cutCount_)), cutCount_ - 1);
+    }
+    /// Prefetches the middle of the pieces of a row between two cuts, where Sample begins its search.
+    void PrefetchPieces(size_t row, const uint32_t *cuts) const {
+        const Piece *const middle = &At(row, (cuts[0] + cuts[1] + 1) / 2);
+        __builtin_prefetch(middle);
+        __builtin_prefetch(reinterpret_cast<const char *>(middle) + 64);
+    }
 
   private:
     /// Pieces between two cuts should fit a cache line.
@@ -83,7 +93,7 @@ template <class Value>
 auto PiecewiseConstantRows<Value>::Sample(size_t row, Float u) const -> Sampled {
     // Last piece whose lower end is <= u; pieces of no width are never chosen. Branchless, as u is random.
     const Piece *const pieces = &At(row, 0);
-    const uint32_t *const cut = &cuts_[row * (cutCount_ + 1)] + std::min(size_t(u * Float(cutCount_)), cutCount_ - 1);
+    const uint32_t *const cut = CutsAround(row, u);
     size_t i = cut[0];
     for (size_t left = cut[1] - i + 1; left > 1;) {
         const size_t half = left / 2;
@@ -138,6 +148,24 @@ class PiecewiseConstantGrid {
         const auto x = rows_.Sample(size_t(y.index), u.x);
         return {{std::min(x.place, OneMinusEpsilon), y.x}, x.piece.pdf * y.pdf, x.piece.value};
     }
+    /// Reads ahead for a later Sample(u), as tables larger than the caches are slow. The address of the second read is
+    /// the result of the first, so time should pass in between.
+    class Lookahead {
+      public:
+        Lookahead() = default;
+        Lookahead(const PiecewiseConstantGrid &grid, const Point2 &u)
+            : rows_(&grid.rows_), row_(size_t(grid.marginal_.Sample(u.y).index)), cuts_(rows_->CutsAround(row_, u.x)) {
+            __builtin_prefetch(cuts_);
+        }
+        void Continue() const {
+            if (rows_) rows_->PrefetchPieces(row_, cuts_);
+        }
+
+      private:
+        const PiecewiseConstantRows<Value> *rows_ = nullptr;
+        size_t row_ = 0;
+        const uint32_t *cuts_ = nullptr;
+    };
     Float Pdf(const Point2 &p) const {
         if (p.x < 0 || p.x > 1 || p.y < 0 || p.y > 1) return 0;
         return marginal_.Pdf(p.y) * rows_.At(Index(p.y, rows_.Rows()), Index(p.x, rows_.PieceCount())).pdf;

@@ -46,6 +46,12 @@ class Sampler {
         next_ += 2;
         return p;
     }
+    /// What Get2D will return after `skipped` more dimensions; null if it is not prepared yet.
+    const Point2 *Upcoming2D(int skipped) {
+        if (next_ >= end_) [[unlikely]]
+            PrepareNext();
+        return next_ + skipped < end_ ? &prepared_.two[next_ + skipped] : nullptr;
+    }
     virtual Point2 GetPixel2D() { return Get2D(); }  ///< position inside the pixel
     virtual std::unique_ptr<Sampler> Clone() const = 0;
     /// Same kind of sampler with another seed. The film positions of "halton" and "sobol" do not depend on the seed.

@@ -77,6 +77,26 @@ TEST_P(EverySampler, DimensionArgumentSkips) {
     }
 }
 
+TEST_P(EverySampler, UpcomingNumbersAreThoseDrawnLater) {
+    std::unique_ptr<Sampler> s = GetParam().Make(16), untouched = GetParam().Make(16);
+    int seen = 0;
+    for (int skipped : {0, 1, 2, 5}) {
+        s->StartPixelSample({3, 4}, 5);
+        untouched->StartPixelSample({3, 4}, 5);
+        for (int i = 0; i < 40; ++i) {
+            const Point2 *const ahead = s->Upcoming2D(skipped);
+            const bool known = ahead;
+            const Point2 upcoming = known ? *ahead : Point2(0);
+            for (int k = 0; k < skipped; ++k) ASSERT_EQ(s->Get1D(), untouched->Get1D());
+            const Point2 drawn = s->Get2D();
+            ASSERT_EQ(drawn, untouched->Get2D());
+            ASSERT_TRUE(!known || upcoming == drawn) << skipped << ", " << i;
+            seen += known;
+        }
+    }
+    EXPECT_GT(seen, 40);
+}
+
 TEST_P(EverySampler, NumbersDependOnTheDimensionOnly) {
     // Not on where the sample was started, nor on what was drawn before: numbers are prepared in runs, and these
     // begin elsewhere then.

@@ -18,6 +18,7 @@ class LearnedVisibilityLightSampler : public InteriorLightSampler {
     void Prepare(PrepareContext &context) override;
     OnlineModel *Model() override { return model_.IsUpdated() ? &model_ : nullptr; }
     PathObserver *Observer() override { return model_.IsUpdated() ? &model_ : nullptr; }
+    bool ChoosesRegions() const override { return portals_.IsActive(); }
     bool LearnsRoulette() const override { return true; }
     bool SavesLearned() const override { return true; }
     void SaveLearned(StateWriter &writer, bool withLearning) const override;

@@ -29,6 +29,8 @@ struct CameraPathSetup {
     const PathSettings &settings;
     const LightSampler &lights;
     PathObserver *observer = nullptr;  ///< of light samples; may be null
+    /// Table that light samples draw from with the sampler's numbers, for reading ahead; may be null.
+    const EnvironmentTable *environment = nullptr;
 };
 
 /// Path throughput without media. MIS by the power heuristic, as in stock pbrt-v4.
@@ -148,11 +150,10 @@ class CameraPath {
 
     /// Reads ahead for the light sample of the next vertex while its ray is traced.
     EnvironmentTable::Lookahead LookAheadForLightSample() {
-        const EnvironmentTable *const table = scene_.Lights().FirstEnvironmentTable();
-        if (!table) return {};
+        if (!setup_.environment) return {};
         const bool drawsRoulette = directions_.HasLearnedRoulette() && depth_ >= 2;
         const Point2 *const u = sampler_.Upcoming2D(drawsRoulette ? 2 : 1);
-        return u ? EnvironmentTable::Lookahead(*table, *u) : EnvironmentTable::Lookahead();
+        return u ? EnvironmentTable::Lookahead(*setup_.environment, *u) : EnvironmentTable::Lookahead();
     }
 
     void AddEmission(PathWalk::Met met) {

@@ -35,6 +35,7 @@ void PathIntegrator::Prepare(PrepareContext &prepare) {
     };
     lights_->Prepare(prepare);
     prepare.tracePath = {};
+    if (!lights_->ChoosesRegions()) setup_.environment = context_.scene.Lights().FirstEnvironmentTable();
     if (directions_) directions_->Prepare(prepare, settings_.maxDepth);
 }
 

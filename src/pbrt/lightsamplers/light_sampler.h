@@ -185,6 +185,8 @@ class LightSampler {
     /// Model updated between waves from its observer's records; null if nothing is learned after Prepare.
     virtual OnlineModel *Model() { return nullptr; }
     virtual PathObserver *Observer() { return nullptr; }
+    /// True if samples can have regions of environment lights. Only after Prepare.
+    virtual bool ChoosesRegions() const { return false; }
     /// True if camera paths learn Russian roulette unless they are guided.
     virtual bool LearnsRoulette() const { return false; }
     /// True if SaveLearned writes state. Other samplers are rebuilt by Prepare, bit-identically for equal scene,

@@ -31,15 +31,17 @@ struct IntegratorReading {
 
 /// Capabilities and requirements of an integrator, declared at its registration.
 struct IntegratorTraits {
-    bool hasLightSampler = false;     ///< accepts the light samplers' parameters and flags
-    bool hasEmissionSampler = false;  ///< a second light sampler selects where light paths start
-    bool connectsToCamera = false;    ///< requires Camera::CanConnect
-    bool isGuided = false;            ///< supports DirectionSampling
-    bool rendersMedia = false;        ///< traces media
-    bool passesInterfaces = false;    ///< shadow rays pass interface surfaces; geometry is built for it
-    bool scattersSubsurface = false;  ///< others render subsurface materials as dielectrics
-    bool isAdaptive = false;          ///< supports different numbers of samples per pixel
-    bool samplesPixels = true;        ///< false: samples do not belong to pixels, as --disable-pixel-jitter requires
+    bool hasLightSampler = false;      ///< accepts the light samplers' parameters and flags
+    bool hasEmissionSampler = false;   ///< a second light sampler selects where light paths start
+    bool connectsToCamera = false;     ///< requires Camera::CanConnect
+    bool isGuided = false;             ///< supports DirectionSampling
+    bool rendersMedia = false;         ///< traces media
+    bool passesInterfaces = false;     ///< shadow rays pass interface surfaces; geometry is built for it
+    bool scattersSubsurface = false;   ///< others render subsurface materials as dielectrics
+    bool isAdaptive = false;           ///< supports different numbers of samples per pixel
+    bool samplesPixels = true;         ///< false: samples do not belong to pixels, as --disable-pixel-jitter requires
+    bool hasDepth = true;              ///< has the parameter "maxdepth"
+    bool hasSampledLightOnly = false;  ///< supports BuildOptions::sampledLightOnly
 };
 using IntegratorTable = FactoryTable<IntegratorSettings, const IntegratorReading, IntegratorTraits>;
 const IntegratorTable &Integrators();

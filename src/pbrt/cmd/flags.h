@@ -145,6 +145,22 @@ inline void AddFlags(CLI::App &app, const std::string &heading, std::initializer
 }
 inline void AddFlags(CLI::App &app, std::initializer_list<Flag> rows) { AddFlags(app, "Options", rows); }
 
+/// Row of a table of flags that are valid only with, or only without, another flag.
+struct FlagRule {
+    const char *flag;
+    enum Kind { Needs, Excludes } kind;
+    const char *other, *reason;
+};
+
+/// Throws CLI::ValidationError for the first broken rule of the parsed flags.
+inline void CheckRules(const CLI::App &app, std::initializer_list<FlagRule> rules) {
+    for (const auto &[flag, kind, other, reason] : rules)
+        if (app.count(flag) > 0 && (app.count(other) > 0) == (kind == FlagRule::Excludes))
+            throw CLI::ValidationError(fmt::format("{} {} {}{}: {}", flag, kind == FlagRule::Needs ? "needs" : "and",
+                                                   other, kind == FlagRule::Needs ? "" : " exclude each other",
+                                                   reason));
+}
+
 /// Replacements for flags of other programs, keyed by folded name (FoldFlag).
 using FlagHints = std::map<std::string, std::string>;
 

@@ -154,8 +154,12 @@ struct FlagRule {
 
 /// Throws CLI::ValidationError for the first broken rule of the parsed flags.
 inline void CheckRules(const CLI::App &app, std::initializer_list<FlagRule> rules) {
+    const auto isGiven = [&](const char *name) {
+        const CLI::Option &option = *app.get_option(name);
+        return option.count() > 0 && (option.get_expected_max() > 0 || option.as<bool>());
+    };
     for (const auto &[flag, kind, other, reason] : rules)
-        if (app.count(flag) > 0 && (app.count(other) > 0) == (kind == FlagRule::Excludes))
+        if (isGiven(flag) && isGiven(other) == (kind == FlagRule::Excludes))
             throw CLI::ValidationError(fmt::format("{} {} {}{}: {}", flag, kind == FlagRule::Needs ? "needs" : "and",
                                                    other, kind == FlagRule::Needs ? "" : " exclude each other",
                                                    reason));
@@ -228,7 +232,8 @@ inline void CheckFlags(const CLI::App &app, const std::vector<std::string> &argu
 
 /// The error in plain words.
 inline std::string MessageOf(const CLI::ParseError &e) {
-    const std::string text = e.what();
+    const std::string text = e.what(), unconverted = "Could not convert: ";
+    if (text.starts_with(unconverted)) return text.substr(unconverted.size()) + " is neither true nor false";
     const size_t count = text.find(": At Most ");
     return count == std::string::npos ? text : text.substr(0, count) + ": is given more than once";
 }

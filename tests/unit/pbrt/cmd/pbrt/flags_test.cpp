@@ -33,6 +33,7 @@ TEST_F(Flags, UnknownFlagsAndBadValuesAreErrors) {
                   {"--pixel 40,3 scene.pbrt", {"line: No pixel is left to render: pixel bounds x 40 to 41, y 3 to 4"}},
                   {"--spp 0 scene.pbrt", {"--spp", "--help"}},
                   {"--spp many scene.pbrt", {"--spp", "many"}},
+                  {"--quick=maybe scene.pbrt", {"--quick", "maybe", "true nor false"}},
                   {"--nthreads -1 scene.pbrt", {"--nthreads"}},
                   {"--pixelbounds 0,1,0,x scene.pbrt", {"--pixelbounds", "4 numbers", "x0,x1,y0,y1", "\"x\""}},
                   {"--render-coord-sys moon scene.pbrt", {"--render-coord-sys", "cameraworld"}},
@@ -66,6 +67,7 @@ TEST_F(Flags, FlagsWithoutEffectAreErrors) {
         cases.push_back({fmt::format("{} --integrator {} scene.pbrt", flag, integrator), words});
     }
     ExpectErrors(cases);
+    RunWell("--resume=false --spp 1 --outfile out.exr scene.pbrt");
 }
 
 TEST_F(Flags, NumbersWithLeadingZerosAreDecimal) {

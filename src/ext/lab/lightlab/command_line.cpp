@@ -30,9 +30,9 @@ const char *const kFooter =
     "pbrt --list-lightsamplers lists all with their parameters. Commas or semicolons separate samplers; a comma "
     "before\n"
     "key=value continues the same sampler.\n\n"
-    "The reference is rendered with the sampler that has the least variance per sample in a short pilot run. If it is\n"
-    "compared, a second reference, rendered with the next best, judges it. References are kept in the cache folder as\n"
-    "<scene>.reference-<hash>.exr; the hash covers the whole scene. A reference takes\n"
+    "The reference is rendered with the sampler that has the least variance in a short pilot run, with --time that in\n"
+    "equal time. If it is compared, a second reference, rendered with the next best, judges it. References are kept in\n"
+    "the cache folder as <scene>.reference-<hash>.exr; the hash covers the whole scene. A reference takes\n"
     "16 n samples for --spp n, at least 512, and about 10 t seconds for --time t.\n\n"
     "Environment: LIGHTLAB_REPORT_SCRIPTS, the folder of charts.py and report.py; LIGHTLAB_PYTHON (/usr/bin/python3).";
 

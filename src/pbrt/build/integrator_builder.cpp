@@ -94,7 +94,6 @@ void AddSimple(IntegratorTable &table, const char *name, F make, IntegratorTrait
         return settings;
     };
     traits.isAdaptive = true;
-    traits.hasDepth = std::is_base_of_v<DepthParams, P>;
     table.Add<WithAdaptive<P>>(name, "", read, traits);
 }
 
@@ -102,7 +101,7 @@ void AddSimple(IntegratorTable &table, const char *name, F make, IntegratorTrait
 std::string NamesWith(bool IntegratorTraits::*trait) {
     std::vector<std::string> names;
     for (const std::string &name : Integrators().Names())
-        if (Integrators().Find(name).traits.*trait) names.push_back('"' + name + '"');
+        if (TraitsOf(name).*trait) names.push_back('"' + name + '"');
     const std::string last = names.back();
     names.pop_back();
     return fmt::format("{} and {}", fmt::join(names, ", "), last);
@@ -230,7 +229,7 @@ IntegratorSettings ReadIntegrator(const Entity &entity, const BuildOptions &opti
                    ListChoices(type, Integrators().Names()));
     } else {
         const IntegratorTable::Entry &entry = Integrators().Find(type);
-        const IntegratorTraits &traits = entry.traits;
+        const IntegratorTraits traits = TraitsOf(type);
         // --integrator ignores the scene's integrator parameters except the depth.
         ParamSet fresh(fmt::format("Integrator \"{}\"", options.integrator), {});
         if (const Param *depth = entity.params.Find("maxdepth", ParamType::Integer); depth && traits.hasDepth)

@@ -239,9 +239,10 @@ IntegratorSettings ReadIntegrator(const Entity &entity, const BuildOptions &opti
         ParamReader before(params);
         if (traits.hasLightSampler || traits.hasEmissionSampler) DeclareLightParams(before, registry, traits.isGuided);
         Collect(sink, [&] { settings = entry.make(params, IntegratorReading{options, registry, sink, before}); });
-        if (settings.lights && settings.lights->guide)
-            IntegratorFlag{"\"+guide\"", true, &IntegratorTraits::isGuided, settings.lights->guide->Loc()}.Check(type,
-                                                                                                                 sink);
+        if (settings.lights && settings.lights->guide) {
+            const IntegratorFlag guide{"\"+guide\"", true, &IntegratorTraits::isGuided, settings.lights->guide->Loc()};
+            guide.Check(type, sink);
+        }
     }
     if (settings.adaptive && options.uniform)
         sink.Warning({}, "\"bool adaptive\" has no effect here: all pixels get the same number of samples.");

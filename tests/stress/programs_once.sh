@@ -54,7 +54,7 @@ run "$pbrt" "${learning[@]}" --adaptive --aov samples --checkpoint adaptive.chk 
 run "$pbrt" "${learning[@]}" --noise 0.3 --spp 32 --checkpoint noise.chk --outfile noise.exr scene.pbrt
 run "$pbrt" "${learning[@]}" --noise 0.1 --spp 32 --checkpoint noise.chk --resume --outfile noise.exr scene.pbrt
 for samples in 0:4 4:8; do
-  run "$pbrt" "${learning[@]}" --load-lights lights --samples $samples --checkpoint part-$samples.chk --outfile part.exr scene.pbrt
+  run "$pbrt" "${learning[@]}" --load-lights lights --samples $samples --checkpoint part-$samples.chk scene.pbrt
 done
 run "$imgtool" merge merged.exr part-0:4.chk part-4:8.chk
 run "$imgtool" info merged.exr

@@ -5,7 +5,7 @@
 #include <set>
 #include <sstream>
 
-#include "pbrt/build/light_sampler_spec.h"
+#include "pbrt/build/integrator_builder.h"
 #include "pbrt/core/log.h"
 #include "pbrt/core/version.h"
 #include "pbrt/scenefile/content_hash.h"
@@ -165,14 +165,15 @@ std::unique_ptr<Integrator> LabScene::MakeIntegrator(const SamplerChoice &choice
 BuiltScene BuildLitScene(SceneDescription &description, const std::string &file, const BuildOptions &options,
                          const PluginRegistry &registry, DiagnosticSink &sink, Progress &progress) {
     sink.ThrowIfErrors();
-    progress.BeginPhase("building", 0);
-    BuiltScene built = BuildScene(description, options, registry, sink, progress);
-    progress.EndPhase();
-    if (built.lightSamplerName.empty())
+    const std::string &integrator = description.integrator.type;
+    if (Integrators().Has(integrator) && !TraitsOf(integrator).hasLightSampler)
         throw UserError(description.integrator.loc,
                         "the integrator \"{}\" uses no light sampler; \"path\", \"volpath\", \"bdpt\", \"mlt\" and "
                         "\"sppm\" do.",
-                        built.integratorName);
+                        integrator);
+    progress.BeginPhase("building", 0);
+    BuiltScene built = BuildScene(description, options, registry, sink, progress);
+    progress.EndPhase();
     if (built.scene->Lights().Size() == 0) throw UserError("{}: has no lights.", file);
     for (const Diagnostic &d : sink.All())
         if (d.severity == Severity::Warning) LogInfo(Format(d));

@@ -202,8 +202,9 @@ int RunInspect(const InspectOptions &options, const PluginRegistry &registry, Pr
         "%s", inspection.structure.empty() ? "The sampler has no learned structure.\n" : inspection.structure.c_str());
     std::printf("\n%-28s %12s %12s %12s\n", "layer", "min", "mean", "max");
     for (const InspectedLayer &layer : inspection.layers)
-        if (!layer.isId)
+        if (!layer.isId && layer.values > 0)
             std::printf("%-28s %12.4g %12.4g %12.4g\n", layer.name.c_str(), layer.min, layer.mean, layer.max);
+        else if (!layer.isId) std::printf("%-28s %12s %12s %12s\n", layer.name.c_str(), "-", "-", "-");
     if (inspection.stride > 1)
         std::printf("There are %zu lights, so only every %d-th pixel of every row and column was inspected.\n",
                     inspection.lights.size(), inspection.stride);

@@ -16,6 +16,9 @@ namespace {
 
 constexpr double kTrimmedShare = 0.001;
 
+constexpr const char *kRareLight =
+    "Images whose noise is mostly rare bright samples have more noise than this: few seeds contain few of them.";
+
 /// Images of one sampler with path depths of at most `depth`; empty if cancelled.
 std::vector<Image> Pictures(const ExperimentSettings &settings, const LabScene &scene, const SamplerChoice &choice,
                             int depth, Progress &progress) {
@@ -78,8 +81,8 @@ svg text { fill: currentColor; } svg text.in { fill: #fff; }
     page += fmt::format(
         "<p>Expected relL2 of an image of {} per pixel, by how many scattering events paths may have. A piece "
         "of a bar is what the vertex of that number adds (its light sample and the light that a bounce from the vertex "
-        "before finds). oracle: optimal light selection, the bound for any choice of lights. {} each.</p>\n",
-        CountText(json.at("samples").get<int>(), "sample"), CountText(json.at("seeds").get<int>(), "seed"));
+        "before finds). oracle: optimal light selection, the bound for any choice of lights. {} each. {}</p>\n",
+        CountText(json.at("samples").get<int>(), "sample"), CountText(json.at("seeds").get<int>(), "seed"), kRareLight);
     page += "<h2>All pixels</h2>\n" + Bars(json, "plain");
     page += "<h2>Trimmed: without the noisiest 0.1 % of the pixels</h2>\n" + Bars(json, "trimmed");
     return page + "</body>\n</html>\n";
@@ -169,7 +172,7 @@ int RunNoise(const ExperimentSettings &settings, const PluginRegistry &registry,
     ShortenFloats(&json);
     WriteFile(settings.outFolder + "/noise.json", json.dump(2) + "\n");
     WriteFile(settings.outFolder + "/index.html", Page(json));
-    std::printf("\nWrote %s; index.html shows it.\n", settings.outFolder.c_str());
+    std::printf("\n%s\nWrote %s; index.html shows it.\n", kRareLight, settings.outFolder.c_str());
     return 0;
 }
 

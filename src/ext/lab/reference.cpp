@@ -1,5 +1,6 @@
 #include "ext/lab/reference.h"
 
+#include <algorithm>
 #include <cmath>
 #include <cstdlib>
 #include <filesystem>
@@ -267,6 +268,20 @@ std::string ReferenceRule::Text() const {
     return samples > 0 ? CountText(samples, "sample") + " per pixel" : fmt::format("{} s", seconds);
 }
 
+std::vector<PilotEntry> RankMakers(const ExperimentSettings &settings, std::vector<PilotEntry> entries) {
+    const bool atEqualTime = ReferenceRule::For(settings).samples == 0;
+    std::ranges::stable_sort(entries, {},
+                             [&](const PilotEntry &e) { return e.variance * (atEqualTime ? e.secondsPerSample : 1); });
+    if (settings.samplesFrom.empty()) return entries;
+    std::vector<std::string> originals;
+    for (const Json &r : ReadResults(settings.samplesFrom).at("references"))
+        originals.push_back(r.value("sampler", ""));
+    std::ranges::stable_sort(entries, {}, [&](const PilotEntry &e) {
+        return std::ranges::find(originals, e.choice.label) - originals.begin();
+    });
+    return entries;
+}
+
 std::optional<References> MakeReferences(const ExperimentContext &context) {
     const ExperimentSettings &settings = context.settings;
     if (!settings.referenceFile.empty()) return GivenReference(settings, context.scene);
@@ -278,7 +293,7 @@ std::optional<References> MakeReferences(const ExperimentContext &context) {
     };
     References references;
     references.pilot = *pilot;
-    std::vector<PilotEntry> makers = *pilot;
+    std::vector<PilotEntry> makers = RankMakers(settings, *pilot);
     bool areStocks = false;  // the images of stock's samplers are considered unbiased
     for (bool stockOnly : {false, true}) {
         if (stockOnly) std::erase_if(makers, [&](const PilotEntry &e) { return !e.choice.traits.isStock; });

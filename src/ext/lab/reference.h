@@ -87,6 +87,10 @@ struct ReferenceRule {
     double EstimateSeconds(double perSample) const { return samples > 0 ? samples * perSample : seconds; }
 };
 
+/// Entries in the order in which they are chosen for references: by the variance of an image of that extent. Those of
+/// the replayed experiment come first.
+std::vector<PilotEntry> RankMakers(const ExperimentSettings &settings, std::vector<PilotEntry> entries);
+
 struct References {
     std::vector<Reference> all;
     std::vector<PilotEntry> pilot;  ///< empty: none was made
@@ -101,11 +105,11 @@ struct References {
 /// noise explains. Sets `*proveNoBias` in the first case.
 std::optional<Doubt> Disagreement(const Reference &a, const Reference &b, bool areStocks, bool *proveNoBias);
 
-/// Reads the user's file, or renders a reference with the best sampler of a pilot run. No sampler is evaluated on its
-/// own samples: if that sampler is compared itself, a second reference by the next best evaluates it. If the two
-/// contradict each other (bias check), two references by stock samplers replace them; these are doubtful if they
-/// contradict each other too. Differences beyond their noise are a doubt. Finished parts survive interruption. Returns
-/// nothing if cancelled. Throws UserError.
+/// Reads the user's file, or renders a reference with the first of RankMakers. No sampler is evaluated on its own
+/// samples: if that sampler is compared itself, a second reference by the next best evaluates it. If the two contradict
+/// each other (bias check), two references by stock samplers replace them; these are doubtful if they contradict each
+/// other too. Differences beyond their noise are a doubt. Finished parts survive interruption. Returns nothing if
+/// cancelled. Throws UserError.
 ///
 /// File of a rendered reference: <scene>.reference-<hash>.exr, with a hash of everything its pixels depend on. In the
 /// cache folder, or in the output folder if that is missing or not writable; never in the scene's folder.

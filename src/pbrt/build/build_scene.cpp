@@ -289,7 +289,7 @@ BuiltScene BuildScene(SceneDescription &d, const BuildOptions &given, const Plug
     ChooseRenderOptions(d.options, options, built, sink);
     Collect(sink, [&] { Accelerators().Make(d.accelerator.type, d.accelerator.params, AcceleratorContext{sink}); });
     const IntegratorSettings integrator = ReadIntegrator(d.integrator, options, registry, sink);
-    if (built.disablePixelJitter && !TraitsOf(integrator.type).samplesPixels)
+    if (built.disablePixelJitter && !options.disablePixelJitter && !TraitsOf(integrator.type).samplesPixels)
         sink.Warning({}, "integrator \"{}\" has no samples of single pixels, so pixel jitter cannot be disabled.",
                      integrator.type);
     if (integrator.samplesPerPixel > 0 && options.samplesPerPixel == 0 && !options.quick)

@@ -34,7 +34,7 @@ struct BuildOptions {
     bool checksOutput = false;                        ///< error before building if the film's file cannot be written
     std::string integrator;                           ///< --integrator name; empty: the scene's
     std::optional<int> maxDepth;                      ///< --maxdepth
-    bool sampledLightOnly = false;                    ///< PathSettings::sampledLightOnly (path, volpath)
+    bool sampledLightOnly = false;                    ///< PathSettings::sampledLightOnly
     bool guide = false;                               ///< --guide
     bool adaptive = false;                            ///< --adaptive
     bool uniform = false;                             ///< ignore --adaptive and the scene's "adaptive"

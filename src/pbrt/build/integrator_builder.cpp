@@ -101,14 +101,37 @@ void AddSimple(IntegratorTable &table, const char *name, F make, IntegratorTrait
 std::string NamesWith(bool IntegratorTraits::*trait) {
     std::vector<std::string> names;
     for (const std::string &name : Integrators().Names())
-        if (Integrators().Find(name).traits.*trait) names.push_back('"' + name + '"');
+        if (TraitsOf(name).*trait) names.push_back('"' + name + '"');
     const std::string last = names.back();
     names.pop_back();
     return fmt::format("{} and {}", fmt::join(names, ", "), last);
 }
 
-std::string OnlyTheseAreGuided() {
-    return fmt::format("only the integrators {} are guided", NamesWith(&IntegratorTraits::isGuided));
+/// Error if a flag or suffix is given that this integrator does not use.
+struct IntegratorFlag {
+    std::string name;
+    bool isGiven = false;
+    bool IntegratorTraits::*needs = nullptr;
+    FileLoc loc{};
+
+    void Check(const std::string &integrator, DiagnosticSink &sink) const {
+        if (isGiven && !(TraitsOf(integrator).*needs))
+            sink.Error(loc, "{} has no effect on integrator \"{}\"; valid here: {}.", name, integrator,
+                       NamesWith(needs));
+    }
+};
+
+void CheckFlags(const BuildOptions &o, const std::string &integrator, DiagnosticSink &sink) {
+    using Traits = IntegratorTraits;
+    const IntegratorFlag flags[] = {{o.lightSamplerFlag, !o.lightSampler.empty(), &Traits::hasLightSampler},
+                                    {"--mesh-lights", o.meshLights, &Traits::hasLightSampler},
+                                    {"--shooting-sampler", !o.shootingSampler.empty(), &Traits::hasEmissionSampler},
+                                    {"--guide", o.guide, &Traits::isGuided},
+                                    {"--adaptive or --noise", o.adaptive && !o.uniform, &Traits::isAdaptive},
+                                    {"--maxdepth", o.maxDepth.has_value(), &Traits::hasDepth},
+                                    {"--disable-pixel-jitter", o.disablePixelJitter, &Traits::samplesPixels},
+                                    {"--sampled-light", o.sampledLightOnly, &Traits::hasSampledLightOnly}};
+    for (const IntegratorFlag &flag : flags) flag.Check(integrator, sink);
 }
 
 /// True if the scene is inside an unbounded medium: a camera ray leaves the scene in one.
@@ -164,7 +187,7 @@ const IntegratorTable &Integrators() {
             "own parameters ([lightsamplers.md](lightsamplers.md)); **differs**: an unknown light sampler is an error "
             "(stock uses bvh)",
             [](const auto &p, const ParamSet &set, auto &r) { return MakePath(p, set, r, false); },
-            {.hasLightSampler = true, .isGuided = true, .isAdaptive = true});
+            {.hasLightSampler = true, .isGuided = true, .isAdaptive = true, .hasSampledLightOnly = true});
         t.Add<WithAdaptive<PathParams>>(
             "volpath", "as path, with media and subsurface scattering, and shadow rays pass \"interface\"",
             [](const auto &p, const ParamSet &set, auto &r) { return MakePath(p, set, r, true); },
@@ -173,7 +196,8 @@ const IntegratorTable &Integrators() {
              .rendersMedia = true,
              .passesInterfaces = true,
              .scattersSubsurface = true,
-             .isAdaptive = true});
+             .isAdaptive = true,
+             .hasSampledLightOnly = true});
         AddSimple<SimplePathParams>(
             t, "simplepath", [](const auto &p, int depth, const PathContext &c, const ColorSpace &) {
                 return std::make_unique<SimplePathIntegrator>(c, depth, p.sampleLights, p.sampleBsdf);
@@ -205,34 +229,20 @@ IntegratorSettings ReadIntegrator(const Entity &entity, const BuildOptions &opti
                    ListChoices(type, Integrators().Names()));
     } else {
         const IntegratorTable::Entry &entry = Integrators().Find(type);
-        const IntegratorTraits &traits = entry.traits;
+        const IntegratorTraits traits = TraitsOf(type);
         // --integrator ignores the scene's integrator parameters except the depth.
         ParamSet fresh(fmt::format("Integrator \"{}\"", options.integrator), {});
-        const auto isDepth = [](const ParamDoc &doc) { return doc.name == "maxdepth"; };
-        if (const Param *depth = entity.params.Find("maxdepth", ParamType::Integer);
-            depth && std::any_of(entry.params.begin(), entry.params.end(), isDepth))
+        if (const Param *depth = entity.params.Find("maxdepth", ParamType::Integer); depth && traits.hasDepth)
             fresh.Add(*depth);
         const ParamSet &params = type != entity.type ? fresh : entity.params;
-        if (!options.shootingSampler.empty() && !traits.hasEmissionSampler)
-            sink.Error({},
-                       "--shooting-sampler: light paths begin at lights with the integrators {} only; "
-                       "this one is \"{}\".",
-                       NamesWith(&IntegratorTraits::hasEmissionSampler), type);
-        if (options.guide && !traits.isGuided)
-            sink.Error({}, "--guide: {}; this one is \"{}\".", OnlyTheseAreGuided(), type);
-        if (options.adaptive && !options.uniform && !traits.isAdaptive)
-            sink.Error({}, "--adaptive, --noise: the integrators {} sample adaptively; this one is \"{}\".",
-                       NamesWith(&IntegratorTraits::isAdaptive), type);
+        CheckFlags(options, type, sink);
         ParamReader before(params);
         if (traits.hasLightSampler || traits.hasEmissionSampler) DeclareLightParams(before, registry, traits.isGuided);
-        Collect(sink, [&] {
-            settings = entry.make(params, IntegratorReading{options, registry, sink, before});
-            if (!traits.hasLightSampler && (!options.lightSampler.empty() || options.meshLights))
-                sink.Warning({}, "--lightsampler and --mesh-lights have no effect on integrator \"{}\".", type);
-        });
-        if (settings.lights && settings.lights->guide && !traits.isGuided)
-            sink.Error(settings.lights->guide->Loc(), "\"+guide\": {}; this one is \"{}\".", OnlyTheseAreGuided(),
-                       type);
+        Collect(sink, [&] { settings = entry.make(params, IntegratorReading{options, registry, sink, before}); });
+        if (settings.lights && settings.lights->guide) {
+            const IntegratorFlag guide{"\"+guide\"", true, &IntegratorTraits::isGuided, settings.lights->guide->Loc()};
+            guide.Check(type, sink);
+        }
     }
     if (settings.adaptive && options.uniform)
         sink.Warning({}, "\"bool adaptive\" has no effect here: all pixels get the same number of samples.");

@@ -1,4 +1,5 @@
 #pragma once
+#include <algorithm>
 #include <functional>
 #include <limits>
 #include <optional>
@@ -31,15 +32,17 @@ struct IntegratorReading {
 
 /// Capabilities and requirements of an integrator, declared at its registration.
 struct IntegratorTraits {
-    bool hasLightSampler = false;     ///< accepts the light samplers' parameters and flags
-    bool hasEmissionSampler = false;  ///< a second light sampler selects where light paths start
-    bool connectsToCamera = false;    ///< requires Camera::CanConnect
-    bool isGuided = false;            ///< supports DirectionSampling
-    bool rendersMedia = false;        ///< traces media
-    bool passesInterfaces = false;    ///< shadow rays pass interface surfaces; geometry is built for it
-    bool scattersSubsurface = false;  ///< others render subsurface materials as dielectrics
-    bool isAdaptive = false;          ///< supports different numbers of samples per pixel
-    bool samplesPixels = true;        ///< false: samples do not belong to pixels, as --disable-pixel-jitter requires
+    bool hasLightSampler = false;      ///< accepts the light samplers' parameters and flags
+    bool hasEmissionSampler = false;   ///< a second light sampler selects where light paths start
+    bool connectsToCamera = false;     ///< requires Camera::CanConnect
+    bool isGuided = false;             ///< supports DirectionSampling
+    bool rendersMedia = false;         ///< traces media
+    bool passesInterfaces = false;     ///< shadow rays pass interface surfaces; geometry is built for it
+    bool scattersSubsurface = false;   ///< others render subsurface materials as dielectrics
+    bool isAdaptive = false;           ///< supports different numbers of samples per pixel
+    bool samplesPixels = true;         ///< false: samples do not belong to pixels, as --disable-pixel-jitter requires
+    bool hasSampledLightOnly = false;  ///< supports BuildOptions::sampledLightOnly
+    bool hasDepth = false;             ///< has the parameter "maxdepth"; set by TraitsOf
 };
 using IntegratorTable = FactoryTable<IntegratorSettings, const IntegratorReading, IntegratorTraits>;
 const IntegratorTable &Integrators();
@@ -60,7 +63,11 @@ inline const std::string &IntegratorType(const Entity &entity, const BuildOption
 }
 /// Traits of that integrator; defaults if the name is unknown.
 inline IntegratorTraits TraitsOf(const std::string &integrator) {
-    return Integrators().Has(integrator) ? Integrators().Find(integrator).traits : IntegratorTraits();
+    if (!Integrators().Has(integrator)) return {};
+    const IntegratorTable::Entry &entry = Integrators().Find(integrator);
+    IntegratorTraits traits = entry.traits;
+    traits.hasDepth = std::ranges::count(entry.params, "maxdepth", &ParamDoc::name) > 0;
+    return traits;
 }
 
 struct AcceleratorContext {

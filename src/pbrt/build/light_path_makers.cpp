@@ -183,7 +183,7 @@ void AddLightPathIntegrators(IntegratorTable &t) {
         t, "sppm",
         "surfaces only; only here: light samplers as path; **differs**: the radius shrinks with "
         "the iteration, the same in every pixel; `maxdepth` limits the whole path; an iteration has one time",
-        {.hasLightSampler = true}, ReadSppm);
+        {.hasLightSampler = true, .hasSampledLightOnly = true}, ReadSppm);
 }
 
 }  // namespace pbrt

@@ -252,7 +252,13 @@ std::optional<LightSelection> ReadLightSelection(const ParamSet &integrator, con
 
     sampler.meshLights = scene.meshLights || flags.meshLights || pieces.mesh;
     // Samplers that do not accept groups form them themselves.
-    if (sampler.entry && !sampler.entry->traits.takesGroups) sampler.meshLights = false;
+    if (sampler.entry && !sampler.entry->traits.takesGroups) {
+        if (flags.meshLights || pieces.mesh)
+            sink.Error({},
+                       "\"+mesh\" has no effect on light sampler \"{0}\"; its own parameter is {0}:meshlights=true.",
+                       sampler.entry->name);
+        sampler.meshLights = false;
+    }
     if (sink.ErrorCount() > errorsBefore) return {};
     return selection;
 }

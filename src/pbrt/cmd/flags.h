@@ -145,6 +145,26 @@ inline void AddFlags(CLI::App &app, const std::string &heading, std::initializer
 }
 inline void AddFlags(CLI::App &app, std::initializer_list<Flag> rows) { AddFlags(app, "Options", rows); }
 
+/// Row of a table of flags that are valid only with, or only without, another flag.
+struct FlagRule {
+    const char *flag;
+    enum Kind { Needs, Excludes } kind;
+    const char *other, *reason;
+};
+
+/// Throws CLI::ValidationError for the first broken rule of the parsed flags.
+inline void CheckRules(const CLI::App &app, std::initializer_list<FlagRule> rules) {
+    const auto isGiven = [&](const char *name) {
+        const CLI::Option &option = *app.get_option(name);
+        return option.count() > 0 && (option.get_expected_max() > 0 || option.as<bool>());
+    };
+    for (const auto &[flag, kind, other, reason] : rules)
+        if (isGiven(flag) && isGiven(other) == (kind == FlagRule::Excludes))
+            throw CLI::ValidationError(fmt::format("{} {} {}{}: {}", flag, kind == FlagRule::Needs ? "needs" : "and",
+                                                   other, kind == FlagRule::Needs ? "" : " exclude each other",
+                                                   reason));
+}
+
 /// Replacements for flags of other programs, keyed by folded name (FoldFlag).
 using FlagHints = std::map<std::string, std::string>;
 
@@ -212,7 +232,8 @@ inline void CheckFlags(const CLI::App &app, const std::vector<std::string> &argu
 
 /// The error in plain words.
 inline std::string MessageOf(const CLI::ParseError &e) {
-    const std::string text = e.what();
+    const std::string text = e.what(), unconverted = "Could not convert: ";
+    if (text.starts_with(unconverted)) return text.substr(unconverted.size()) + " is neither true nor false";
     const size_t count = text.find(": At Most ");
     return count == std::string::npos ? text : text.substr(0, count) + ": is given more than once";
 }

@@ -55,7 +55,7 @@ bool AreFinite(std::string_view sums) {
 
 Bounds2i FromCropWindow(const Bounds2 &window, Point2i resolution) {
     auto pixel = [](Float fraction, int extent) {
-        return int(std::ceil(Float(extent) * std::clamp(fraction, Float(0), Float(1))));
+        return int(std::ceil(Float(extent) * std::clamp(fraction, Float(-1), Float(2))));
     };
     Point2 low = glm::min(window.low, window.high), high = glm::max(window.low, window.high);
     return {{pixel(low.x, resolution.x), pixel(low.y, resolution.y)},

@@ -30,9 +30,9 @@ const char *const kFooter =
     "pbrt --list-lightsamplers lists all with their parameters. Commas or semicolons separate samplers; a comma "
     "before\n"
     "key=value continues the same sampler.\n\n"
-    "The reference is rendered with the sampler that has the least variance in a short pilot run. If that sampler is\n"
-    "compared, a second reference, rendered with the next best, judges it. References are kept in the cache folder as\n"
-    "<scene>.reference-<hash>.exr; the hash covers the whole scene. A reference takes\n"
+    "The reference is rendered with the sampler that has the least variance in a short pilot run, with --time that in\n"
+    "equal time. If it is compared, a second reference, rendered with the next best, judges it. References are kept in\n"
+    "the cache folder as <scene>.reference-<hash>.exr; the hash covers the whole scene. A reference takes\n"
     "16 n samples for --spp n, at least 512, and about 10 t seconds for --time t.\n\n"
     "Environment: LIGHTLAB_REPORT_SCRIPTS, the folder of charts.py and report.py; LIGHTLAB_PYTHON (/usr/bin/python3).";
 
@@ -152,12 +152,16 @@ void AddAllFlags(CLI::App &app, LightlabOptions &o, RawFlags &raw, const std::ve
           "again"},
          {"--no-report", raw.noReport, "no inspection views, no charts and no report.html"},
          {"--quiet", o.quiet, "no progress and no warnings; results and errors only"}});
-    for (const auto &[flag, other] : {std::pair{"--time", "--spp"},
-                                      {"--direct", "--maxdepth"},
-                                      {"--reference-spp", "--reference"},
-                                      {"--samples-from", "--time"},
-                                      {"--samples-from", "--spp"}})
-        app.get_option(flag)->excludes(app.get_option(other));
+}
+
+void CheckCombinations(const CLI::App &app) {
+    using enum FlagRule::Kind;
+    CheckRules(app, {{"--time", Excludes, "--spp", "samplers are compared at equal time or at equal samples"},
+                     {"--direct", Excludes, "--maxdepth", "it is --maxdepth 1"},
+                     {"--reference-spp", Excludes, "--reference", "a given image is not rendered"},
+                     {"--cache", Excludes, "--reference", "the folder keeps rendered references"},
+                     {"--samples-from", Excludes, "--time", "the file has the numbers of samples"},
+                     {"--samples-from", Excludes, "--spp", "the file has the numbers of samples"}});
 }
 
 /// Takes settings missing from the command line from the replayed experiment.
@@ -208,14 +212,15 @@ std::optional<int> ParseLightlabCommandLine(int argc, const char *const *argv,
     RawFlags raw;
     AddAllFlags(app, o, raw, registered);
     c.commandLine = JoinArguments(argc, argv);
-    const auto checkScenes = [&] {
+    const auto check = [&] {
+        CheckCombinations(app);
         if (o.scenes.size() < 2) return;
         for (const auto &[value, flag] :
              {std::pair(&c.referenceFile, "--reference"), {&c.samplesFrom, "--samples-from"}, {&raw.crops, "--crops"}})
             if (!value->empty())
                 throw CLI::ValidationError(fmt::format("{} belongs to one scene; {} are given", flag, o.scenes.size()));
     };
-    if (const std::optional<int> status = ParseFlags(app, {argv + 1, argv + argc}, kHints, checkScenes)) return status;
+    if (const std::optional<int> status = ParseFlags(app, {argv + 1, argv + argc}, kHints, check)) return status;
     c.scene = o.scenes[0];
     if (!app.count("--cache")) c.cacheFolder = UserCacheFolder();
     o.report = c.views = !raw.noReport;

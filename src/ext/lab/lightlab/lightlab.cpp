@@ -26,6 +26,16 @@ std::string ResumeHint(const LightlabOptions &options) {
                        options.experiment.outFolder);
 }
 
+/// All errors, one a line, without the quoted text.
+std::string Headings(const UserError &e) {
+    std::string all;
+    for (const Diagnostic &d : e.Diagnostics()) {
+        const std::string text = Format(d);
+        all += (all.empty() ? "" : "\n") + text.substr(0, text.find('\n'));
+    }
+    return all;
+}
+
 /// Compares samplers on one scene. Empty if a signal ended it; `signals` then has the status.
 std::optional<ExperimentOutcome> CompareOn(const ExperimentSettings &settings, const LightlabOptions &options,
                                            const PluginRegistry &registry, SignalWatch &signals, Progress &cancel) {
@@ -79,7 +89,7 @@ int Compare(const LightlabOptions &options, const PluginRegistry &registry) {
             scene.results = std::move(outcome->results);
         } catch (const UserError &e) {
             std::fputs(FormatAll(e, isatty(STDERR_FILENO) != 0).c_str(), stderr);
-            scene.failure = e.Diagnostics()[0].message;
+            scene.failure = Headings(e);
             hasFailed = true;
         }
     }

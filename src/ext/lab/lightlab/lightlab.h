@@ -31,7 +31,7 @@ struct SceneOutcome {
     std::string scene;    ///< as typed
     std::string folder;   ///< of its experiment, relative to the common folder
     Json results;         ///< null if it failed
-    std::string failure;  ///< reason
+    std::string failure;  ///< its errors, one a line
 };
 
 /// Folder names for experiments on these scenes: file stems, with "-2", ... for equal ones.

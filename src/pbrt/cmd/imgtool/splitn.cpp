@@ -91,6 +91,7 @@ void AddSplitn(CLI::App &app, Action &action) {
         ->type_name("x,y");
     AddFlags(command,
              {Flag("--cropsize", o.cropSize, "Side of the squares in pixels", ValidRange{1, 1 << 16}).ShowDefault()});
+    command.get_option("--cropsize")->needs(command.get_option("--crop"));
 }
 
 }  // namespace pbrt::imgtool

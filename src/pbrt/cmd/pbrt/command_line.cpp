@@ -67,16 +67,24 @@ int ParsePort(const std::string &text) {
     return std::stoi(text);
 }
 
-void CheckKeeping(const CommandLine &o) {
-    const auto fail = [](const char *message) { throw CLI::ValidationError(message); };
-    if (o.resume && o.checkpoint.empty()) fail("--resume needs --checkpoint, the file to resume from");
-    if (!o.samples) return;
-    if (o.checkpoint.empty()) fail("--samples needs --checkpoint, the file for the samples");
-    if (o.timeBudget > 0) fail("--samples and --time exclude each other");
-    if (o.build.adaptive || o.noise > 0)
-        fail("--samples excludes --adaptive and --noise: parts of a render take the same samples of all pixels");
-    if (o.writePartialImages) fail("--samples and --write-partial-images exclude each other: a part makes no image");
-    if (!o.saveLights.empty()) fail("--samples and --save-lights exclude each other: a part lacks samples");
+void CheckCombinations(const CLI::App &app) {
+    using enum FlagRule::Kind;
+    const char *part = "each is the part of the image to render";
+    CheckRules(app, {{"--cropwindow", Excludes, "--pixelbounds", part},
+                     {"--cropwindow", Excludes, "--pixel", part},
+                     {"--pixelbounds", Excludes, "--pixel", part},
+                     {"--mse-reference-image", Needs, "--mse-reference-out", "the file for the errors"},
+                     {"--mse-reference-out", Needs, "--mse-reference-image", "the image to compare with"},
+                     {"--time", Excludes, "--spp", "the time determines the number of samples"},
+                     {"--resume", Needs, "--checkpoint", "the file to resume from"},
+                     {"--checkpoint-interval", Needs, "--checkpoint", "the file to write at this interval"},
+                     {"--samples", Needs, "--checkpoint", "the file for the samples"},
+                     {"--samples", Excludes, "--time", "parts have the samples of --spp"},
+                     {"--samples", Excludes, "--adaptive", "parts take the same samples of all pixels"},
+                     {"--samples", Excludes, "--noise", "parts take the same samples of all pixels"},
+                     {"--samples", Excludes, "--outfile", "a part makes no image; imgtool merge names it"},
+                     {"--samples", Excludes, "--write-partial-images", "a part makes no image"},
+                     {"--samples", Excludes, "--save-lights", "a part lacks samples"}});
 }
 
 FlagHints StockFlags() {
@@ -149,7 +157,7 @@ void AddAllFlags(CLI::App &app, const PluginRegistry &registry, CommandLine &o, 
         app, "Effort",
         {{"--spp", build.samplesPerPixel, "samples per pixel; overrides the scene's sampler", PositiveNumber},
          {"--time", o.timeBudget,
-          "render for this many seconds, preprocessing included; overrides --spp. A short measurement estimates the "
+          "render for this many seconds, preprocessing included, in place of --spp. A short measurement estimates the "
           "number of samples, for which everything is prepared",
           PositiveNumber},
          {"--adaptive", build.adaptive,
@@ -257,12 +265,8 @@ std::optional<int> ParseCommandLine(int argc, const char *const *argv, const Plu
     AddAllFlags(app, registry, o, raw);
 
     const std::optional<int> status = ParseFlags(app, CanonicalFlags(app, argc, argv), StockFlags(), [&] {
-        if (o.build.mseReferenceImage.empty() != o.build.mseReferenceOut.empty())
-            throw CLI::ValidationError("--mse-reference-image and --mse-reference-out go together");
-        if (!raw.crop.empty() + !raw.bounds.empty() + !raw.pixel.empty() > 1)
-            throw CLI::ValidationError("--cropwindow, --pixelbounds and --pixel exclude each other");
+        CheckCombinations(app);
         if (!raw.samples.empty()) o.samples = ParseSamples(raw.samples);
-        CheckKeeping(o);
         if (!o.displayServer.empty() && SplitServer(o.displayServer).first.empty())
             throw CLI::ValidationError(
                 "--display-server",

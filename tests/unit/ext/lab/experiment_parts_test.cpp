@@ -22,6 +22,22 @@ TEST(SamplerChoice, OnlyTheWordMeshIsLeftOut) {
     for (const char *other : {"bvh", "bvh+meshes", "mesh+guide", ""}) EXPECT_EQ(WithoutMesh(other), other);
 }
 
+TEST(RankMakers, AReferenceHasTheLeastVarianceForItsSamplesOrItsTime) {
+    PilotEntry slow, fast;
+    slow.choice.label = "slow";
+    slow.variance = 1;
+    slow.secondsPerSample = 4;
+    fast.choice.label = "fast";
+    fast.variance = 2;
+    fast.secondsPerSample = 1;
+    ExperimentSettings settings;
+    EXPECT_EQ(RankMakers(settings, {fast, slow})[0].choice.label, "slow");
+    settings.timeBudget = 1;
+    EXPECT_EQ(RankMakers(settings, {slow, fast})[0].choice.label, "fast");
+    settings.referenceSamples = 64;
+    EXPECT_EQ(RankMakers(settings, {fast, slow})[0].choice.label, "slow");
+}
+
 TEST(Checkpoints, StartAtOneSampleAndEndAtTheBudget) {
     ExperimentSettings settings;
     settings.samplesPerPixel = 24;

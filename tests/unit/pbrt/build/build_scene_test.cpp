@@ -131,6 +131,9 @@ TEST(IntegratorTraits, AreDeclaredByEveryIntegrator) {
     EXPECT_EQ(with(&IntegratorTraits::rendersMedia), " bdpt lightpath mlt simplevolpath volpath");
     EXPECT_EQ(with(&IntegratorTraits::passesInterfaces), " bdpt lightpath mlt volpath");
     EXPECT_EQ(with(&IntegratorTraits::scattersSubsurface), " volpath");
+    EXPECT_EQ(with(&IntegratorTraits::hasSampledLightOnly), " path sppm volpath");
+    EXPECT_EQ(with(&IntegratorTraits::hasDepth),
+              " bdpt lightpath mlt path randomwalk simplepath simplevolpath sppm volpath");
     EXPECT_FALSE(TraitsOf("function").rendersMedia);
 }
 

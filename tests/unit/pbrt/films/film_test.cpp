@@ -63,6 +63,7 @@ TEST_F(FilmTest, FlagsOverrideThePixelsOfTheScene) {
         {"bounds by flag", {100, 100}, {}, {0.5f, 1, 0, 0.25f}, bounds, {{1, 2}, {3, 4}}, 0},
         {"crop window by flag", {100, 100}, {}, {0.5f, 1, 0, 0.25f}, crop, {{0, 0}, {10, 20}}, 0},
         {"beyond the picture", {10, 10}, {-5, 5, 5, 50}, {}, {}, {{0, 5}, {5, 10}}, 1},
+        {"crop window beyond the picture", {10, 10}, {}, {0.5f, 2, -9, 1}, {}, {{5, 0}, {10, 10}}, 1},
         {"quick", {128, 98}, {24, 104, 24, 90}, {}, quick, {{6, 6}, {26, 23}}, 0},
         {"all, quick", {8, 12}, {0, 2147483647, 0, 2147483647}, {}, quick, {{0, 0}, {2, 3}}, 1}};
     for (const Case &c : kCases) {

@@ -239,6 +239,9 @@ TEST_F(Lightlab, MistakesAreReportedTogetherAndNothingIsRendered) {
          {"scene.pbrt --samplers 'bvh+mush;bvh+gate=neepp;bvh+guide:length=2'",
           {"+mush", "+mesh", "+gate", "length", "3 errors"}},
          {"scene.pbrt --time 1 --spp 2", {"--time", "--spp"}},
+         {"scene.pbrt --reference r.exr --reference-spp 2", {"--reference-spp and --reference exclude"}},
+         {"scene.pbrt --reference r.exr --cache c", {"--cache and --reference exclude"}},
+         {"scene.pbrt --direct --maxdepth 2", {"--direct", "--maxdepth 1"}},
          {"scene.pbrt --spp 0", {"--spp: \"0\" is not an integer from 1 to 2147483647", "--help"}},
          {"scene.pbrt --time 1e400", {"--time: \"1e400\" is not a finite number above 0"}},
          {"scene.pbrt --out ''", {"--out: the value is empty"}},
@@ -399,6 +402,19 @@ TEST_F(Lightlab, InspectionsOfVariantsHaveFoldersOfTheirOwn) {
     }
 }
 
+TEST_F(Lightlab, InspectionPrintsNoNumbersOfLayersWithoutValues) {
+    Write("away.pbrt", "Rotate 180 0 1 0\n" + SmallScene());
+    const std::string table = Run("inspect away.pbrt --samples 1 --divisor 4 --sampler uniform").out;
+    EXPECT_TRUE(Has(table, fmt::format("{:<28} {:>12} {:>12} {:>12}\n", "entropy", "-", "-", "-"))) << table;
+}
+
+TEST_F(Lightlab, SampledLightNeedsAnIntegratorThatHasIt) {
+    Write("bdpt.pbrt", Replaced(SmallScene(), "\"path\"", "\"bdpt\""));
+    const Outcome o = Run("bdpt.pbrt --sampled-light " + kSmall);
+    EXPECT_EQ(o.status, 1);
+    ExpectWords(o.err, {"--sampled-light", "\"bdpt\"", "\"path\"", "\"sppm\""});
+}
+
 TEST_F(Lightlab, OneSeedHasNoStandardError) {
     Write("b.pbrt", SmallScene());
     const Outcome o =
@@ -409,13 +425,15 @@ TEST_F(Lightlab, OneSeedHasNoStandardError) {
 }
 
 TEST_F(Lightlab, AWrongSceneKeepsNoOtherFromBeingCompared) {
-    Write("wrong.pbrt", SmallScene() + "Shape \"ball\"\n");
+    Write("wrong.pbrt", SmallScene() + "Shape \"ball\"\nShape \"egg\"\n");
     const Outcome o = Run("wrong.pbrt scene.pbrt --out all " + kSmall);
     EXPECT_EQ(o.status, 1);
     EXPECT_TRUE(Has(o.err, "\"ball\"")) << o.err;
     EXPECT_TRUE(Has(o.out, "wrong: failed. ")) << o.out;
     EXPECT_EQ(Results("all/scene").at("samplers").size(), 2u);
     EXPECT_TRUE(Has(Read("all/index.html"), "ball"));
+    const std::string failure = nlohmann::json::parse(Read("all/scenes.json"))["scenes"][0]["failure"];
+    ExpectWords(failure, {"wrong.pbrt:", "\"ball\"", "\nError: wrong.pbrt:", "\"egg\""});
     // A name that is misspelt is found before anything is rendered.
     ExpectErrors({{"scene.pbrt scnee.pbrt --out none", {"scnee.pbrt: No such file"}},
                   {"scene.pbrt wrong.pbrt --reference r.exr", {"--reference", "one scene", "2 are given"}},

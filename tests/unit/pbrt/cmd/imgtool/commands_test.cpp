@@ -131,6 +131,7 @@ TEST_F(Imgtool, SplitnShowsStripsAndEnlargedCrops) {
     EXPECT_EQ(RgbAt(s, {2 * 16 + 2, 2 * 16 + 5}), Rgb(2, 8, 3));
     EXPECT_EQ(s.Get({13, 18}, 0), 1) << "gap";
     ExpectErrors({{"splitn i0.exr --outfile s.exr", "two"},
+                  {"splitn i0.exr i1.exr --cropsize 6 --outfile s.exr", "--crop"},
                   {"splitn i0.exr i1.exr --crop 3 --outfile s.exr", "x,y"},
                   {"splitn i0.exr i1.exr --crop 3,4, --outfile s.exr", "x,y"},
                   {"splitn i0.exr i1.exr --crop 0,7 --cropsize 6 --outfile s.exr", "48 x 12"},

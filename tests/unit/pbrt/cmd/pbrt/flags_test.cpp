@@ -28,17 +28,46 @@ TEST_F(Flags, UnknownFlagsAndBadValuesAreErrors) {
                   {"--pixel 3 scene.pbrt", {"--pixel", "2 numbers", "x,y", "\"scene.pbrt\""}},
                   {"scene.pbrt --pixel", {"--pixel", "2 numbers", "x,y", "has 0"}},
                   {"scene.pbrt --pixel 2147483647,0", {"--pixel", "\"2147483647\" is not an integer from 0 to"}},
-                  {"--pixel 3,4 --cropwindow 0,1,0,1 scene.pbrt", {"--pixelbounds and --pixel exclude each other"}},
+                  {"--pixel 3,4 --cropwindow 0,1,0,1 scene.pbrt", {"--cropwindow and --pixel exclude each other"}},
                   {"--pixel 3,4 --pixelbounds 0,9,0,9 scene.pbrt", {"--pixelbounds and --pixel exclude each other"}},
                   {"--pixel 40,3 scene.pbrt", {"line: No pixel is left to render: pixel bounds x 40 to 41, y 3 to 4"}},
                   {"--spp 0 scene.pbrt", {"--spp", "--help"}},
                   {"--spp many scene.pbrt", {"--spp", "many"}},
+                  {"--quick=maybe scene.pbrt", {"--quick", "maybe", "true nor false"}},
                   {"--nthreads -1 scene.pbrt", {"--nthreads"}},
                   {"--pixelbounds 0,1,0,x scene.pbrt", {"--pixelbounds", "4 numbers", "x0,x1,y0,y1", "\"x\""}},
                   {"--render-coord-sys moon scene.pbrt", {"--render-coord-sys", "cameraworld"}},
                   {"--mse-reference-out mse.txt scene.pbrt", {"--mse-reference-image"}},
                   {"--integrator pahtt scene.pbrt", {"Error: --integrator:1:0: ", "\"pahtt\"", "simplepath", "^"}},
                   {"--cropwindow 0.5,0.5,0,1 scene.pbrt", {"command line: No pixel is left"}}});
+}
+
+TEST_F(Flags, FlagsWithoutEffectAreErrors) {
+    Write("seeded.pbrt",
+          Replaced(SmallScene(), "\"integer pixelsamples\"", "\"integer seed\" 3 \"integer pixelsamples\""));
+    Write("fixed.pbrt", Replaced(SmallScene(), "\"zsobol\"", "\"halton\" \"string randomization\" \"none\""));
+    std::vector<ErrorCase> cases = {
+        {"--checkpoint-interval 5 scene.pbrt", {"--checkpoint-interval needs --checkpoint"}},
+        {"--samples 0:2 --checkpoint c.chk --outfile out.exr scene.pbrt", {"--samples", "--outfile", "imgtool merge"}},
+        {"--time 1 --spp 4 scene.pbrt", {"--time and --spp exclude each other"}},
+        {"--seed 1 seeded.pbrt", {"seeded.pbrt:", "--seed", "\"integer seed\""}},
+        {"--seed 1 fixed.pbrt", {"fixed.pbrt:", "--seed", "\"randomization\""}}};
+    using Words = std::vector<std::string>;
+    for (const auto &[flag, integrator, valid] :
+         {std::tuple("--maxdepth 2", "ambientocclusion", Words{"\"path\"", "\"sppm\""}),
+          {"--lightsampler bvh", "simplepath", {"\"path\"", "\"bdpt\""}},
+          {"--mesh-lights", "lightpath", {"\"path\"", "\"mlt\""}},
+          {"--shooting-sampler power", "path", {"\"bdpt\"", "\"lightpath\""}},
+          {"--guide", "sppm", {"\"path\" and \"volpath\""}},
+          {"--noise 0.1", "mlt", {"\"path\"", "\"bdpt\""}},
+          {"--disable-pixel-jitter", "mlt", {"\"path\"", "\"sppm\""}}}) {
+        const std::string name(flag);
+        Words words = {name.substr(0, name.find(' ')), "no effect on integrator \"" + std::string(integrator) + "\""};
+        words.insert(words.end(), valid.begin(), valid.end());
+        cases.push_back({fmt::format("{} --integrator {} scene.pbrt", flag, integrator), words});
+    }
+    ExpectErrors(cases);
+    RunWell("--resume=false --spp 1 --outfile out.exr scene.pbrt");
 }
 
 TEST_F(Flags, NumbersWithLeadingZerosAreDecimal) {
@@ -122,9 +151,9 @@ TEST_F(Flags, HelpRendersNothing) {
 
 TEST_F(Flags, SamplesWithoutPixelsCannotBeAtTheirCentres) {
     const std::string warning = "has no samples of single pixels";
+    Write("centres.pbrt", "Option \"disablepixeljitter\" true\n" + SmallScene());
     for (const char *integrator : {"mlt", "lightpath", "bdpt"}) {
-        const std::string messages =
-            RunWell(std::string("--spp 1 --disable-pixel-jitter scene.pbrt --integrator ") + integrator);
+        const std::string messages = RunWell(std::string("--spp 1 centres.pbrt --integrator ") + integrator);
         EXPECT_EQ(Has(messages, warning), std::string(integrator) != "bdpt") << integrator;
     }
     EXPECT_FALSE(Has(RunWell("--spp 1 --integrator mlt scene.pbrt"), warning));

@@ -154,8 +154,10 @@ TEST_F(LightSamplers, MeshLightsGroupTheTrianglesOfAMesh) {
         EXPECT_EQ(IntOf(file, "lightSampler.groups"), 2) << arguments;
     }
     EXPECT_TRUE(Has(Run("--mesh-lights --stats --spp 1 --outfile out.exr scene.pbrt").out, "groups"));
-    EXPECT_EQ(TextOf(Render("--mesh-lights --lightsampler octree scene.pbrt"), "lightSampler"), "octree")
-        << "the octree groups the triangles anyway, without the suffix";
+    // The octree has a parameter of its own.
+    EXPECT_EQ(TextOf(Render("--lightsampler octree meshlights.pbrt"), "lightSampler"), "octree");
+    ExpectErrors({{"--mesh-lights --lightsampler octree scene.pbrt", {"no effect", "octree:meshlights=true"}},
+                  {"--lightsampler octree+mesh scene.pbrt", {"no effect", "octree:meshlights=true"}}});
 }
 
 }  // namespace pbrt::test

@@ -143,9 +143,9 @@ void Program::ExpectErrors(const std::vector<ErrorCase> &cases, const std::strin
 
 ImageFile Program::RenderWithoutClock(const std::string &arguments, const ImageFile &timed) const {
     const int planned = IntOf(timed, "pbrt.plannedSamplesPerPixel"), taken = IntOf(timed, "samplesPerPixel");
-    const std::string again = arguments + " --outfile again.exr --checkpoint again --spp ";
+    const std::string kept = arguments + " --checkpoint again --spp ", again = " --outfile again.exr" + kept;
     if (taken < planned) {
-        RunWell(fmt::format("{}{} --samples 0:{}", again, planned, taken));
+        RunWell(fmt::format("{}{} --samples 0:{}", kept, planned, taken));
         Merged("again.exr --incomplete again");
     } else {
         RunWell(again + std::to_string(planned));

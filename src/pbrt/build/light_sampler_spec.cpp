@@ -253,10 +253,9 @@ std::optional<LightSelection> ReadLightSelection(const ParamSet &integrator, con
     sampler.meshLights = scene.meshLights || flags.meshLights || pieces.mesh;
     // Samplers that do not accept groups form them themselves.
     if (sampler.entry && !sampler.entry->traits.takesGroups) {
-        if (flags.meshLights || pieces.mesh)
-            sink.Error({},
-                       "\"+mesh\" has no effect on light sampler \"{0}\"; its own parameter is {0}:meshlights=true.",
-                       sampler.entry->name);
+        const Param *own = sampler.params.Find(sampler.entry->name + ".meshlights", ParamType::Bool);
+        if ((flags.meshLights || pieces.mesh) && own && !own->bools[0])
+            sink.Error(own->loc, "\"meshlights\" is false, but \"+mesh\" or --mesh-lights is given.");
         sampler.meshLights = false;
     }
     if (sink.ErrorCount() > errorsBefore) return {};

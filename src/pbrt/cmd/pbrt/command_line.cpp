@@ -75,7 +75,6 @@ void CheckCombinations(const CLI::App &app) {
                      {"--pixelbounds", Excludes, "--pixel", part},
                      {"--mse-reference-image", Needs, "--mse-reference-out", "the file for the errors"},
                      {"--mse-reference-out", Needs, "--mse-reference-image", "the image to compare with"},
-                     {"--time", Excludes, "--spp", "the time determines the number of samples"},
                      {"--resume", Needs, "--checkpoint", "the file to resume from"},
                      {"--checkpoint-interval", Needs, "--checkpoint", "the file to write at this interval"},
                      {"--samples", Needs, "--checkpoint", "the file for the samples"},
@@ -157,7 +156,7 @@ void AddAllFlags(CLI::App &app, const PluginRegistry &registry, CommandLine &o, 
         app, "Effort",
         {{"--spp", build.samplesPerPixel, "samples per pixel; overrides the scene's sampler", PositiveNumber},
          {"--time", o.timeBudget,
-          "render for this many seconds, preprocessing included, in place of --spp. A short measurement estimates the "
+          "render for this many seconds, preprocessing included; overrides --spp. A short measurement estimates the "
           "number of samples, for which everything is prepared",
           PositiveNumber},
          {"--adaptive", build.adaptive,

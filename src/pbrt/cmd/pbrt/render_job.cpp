@@ -45,8 +45,8 @@ bool DependsOnSeed(const BuiltScene &built) {
     return numbers(built.seed) != numbers(~built.seed);
 }
 
-/// Throws UserError if parts are to be rendered adaptively, if noise cannot be estimated, if a seed changes no sample,
-/// or if side images, which stay in one process's memory, are combined with checkpoints or several ranks.
+/// Throws UserError if parts are to be rendered adaptively, if noise cannot be estimated, or if side images, which stay
+/// in one process's memory, are combined with checkpoints or several ranks. Warns of a seed that changes no sample.
 void CheckCombination(const CommandLine &options, const BuiltScene &built, const Team &team) {
     if (options.samples && built.half)
         throw UserError(
@@ -58,9 +58,7 @@ void CheckCombination(const CommandLine &options, const BuiltScene &built, const
                         "--noise compares two independent halves of the samples; \"none\" makes them depend on each "
                         "other. Valid here: the other values of \"randomization\".");
     if (options.build.seed && !DependsOnSeed(built))
-        throw UserError(built.integratorRequest.sampler.loc,
-                        "--seed has no effect on this sampler; valid here: one without \"integer seed\" whose "
-                        "\"randomization\" or \"jitter\" is random.");
+        LogWarning("--seed has no effect on the sampler: it has its own \"integer seed\", or nothing in it is random.");
     if (!built.integrator->MakesSideImages()) return;
     if (!options.checkpoint.empty() || team.Size() > 1)
         throw UserError(

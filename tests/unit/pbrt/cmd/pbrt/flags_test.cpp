@@ -43,15 +43,10 @@ TEST_F(Flags, UnknownFlagsAndBadValuesAreErrors) {
 }
 
 TEST_F(Flags, FlagsWithoutEffectAreErrors) {
-    Write("seeded.pbrt",
-          Replaced(SmallScene(), "\"integer pixelsamples\"", "\"integer seed\" 3 \"integer pixelsamples\""));
-    Write("fixed.pbrt", Replaced(SmallScene(), "\"zsobol\"", "\"halton\" \"string randomization\" \"none\""));
     std::vector<ErrorCase> cases = {
         {"--checkpoint-interval 5 scene.pbrt", {"--checkpoint-interval needs --checkpoint"}},
         {"--samples 0:2 --checkpoint c.chk --outfile out.exr scene.pbrt", {"--samples", "--outfile", "imgtool merge"}},
-        {"--time 1 --spp 4 scene.pbrt", {"--time and --spp exclude each other"}},
-        {"--seed 1 seeded.pbrt", {"seeded.pbrt:", "--seed", "\"integer seed\""}},
-        {"--seed 1 fixed.pbrt", {"fixed.pbrt:", "--seed", "\"randomization\""}}};
+    };
     using Words = std::vector<std::string>;
     for (const auto &[flag, integrator, valid] :
          {std::tuple("--maxdepth 2", "ambientocclusion", Words{"\"path\"", "\"sppm\""}),
@@ -68,6 +63,17 @@ TEST_F(Flags, FlagsWithoutEffectAreErrors) {
     }
     ExpectErrors(cases);
     RunWell("--resume=false --spp 1 --outfile out.exr scene.pbrt");
+}
+
+TEST_F(Flags, SeedsWithoutEffectAreWarnings) {
+    Write("seeded.pbrt",
+          Replaced(SmallScene(), "\"integer pixelsamples\"", "\"integer seed\" 3 \"integer pixelsamples\""));
+    Write("fixed.pbrt", Replaced(SmallScene(), "\"zsobol\"", "\"halton\" \"string randomization\" \"none\""));
+    for (const auto &[scene, warns] : {std::pair("seeded", true), {"fixed", true}, {"scene", false}}) {
+        const Outcome o = Run(fmt::format("--seed 1 --spp 1 --outfile out.exr {}.pbrt", scene));
+        EXPECT_EQ(o.status, 0);
+        EXPECT_EQ(Has(o.err, "--seed has no effect"), warns) << scene;
+    }
 }
 
 TEST_F(Flags, NumbersWithLeadingZerosAreDecimal) {

@@ -156,8 +156,9 @@ TEST_F(LightSamplers, MeshLightsGroupTheTrianglesOfAMesh) {
     EXPECT_TRUE(Has(Run("--mesh-lights --stats --spp 1 --outfile out.exr scene.pbrt").out, "groups"));
     // The octree has a parameter of its own.
     EXPECT_EQ(TextOf(Render("--lightsampler octree meshlights.pbrt"), "lightSampler"), "octree");
-    ExpectErrors({{"--mesh-lights --lightsampler octree scene.pbrt", {"no effect", "octree:meshlights=true"}},
-                  {"--lightsampler octree+mesh scene.pbrt", {"no effect", "octree:meshlights=true"}}});
+    EXPECT_EQ(TextOf(Render("--lightsampler octree+mesh scene.pbrt"), "lightSampler"), "octree");
+    ExpectErrors({{"--mesh-lights --lightsampler octree:meshlights=false scene.pbrt", {"\"meshlights\" is false"}},
+                  {"--lightsampler octree:meshlights=false+mesh scene.pbrt", {"\"meshlights\" is false"}}});
 }
 
 }  // namespace pbrt::test

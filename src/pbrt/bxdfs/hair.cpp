@@ -138,7 +138,8 @@ std::array<Float, HairBxdf::Lobes> HairBxdf::Densities(const View &view, const V
     return densities;
 }
 
-SampledSpectrum HairBxdf::F(const Vector3 &wo, const Vector3 &wi, TransportMode) const {
+SampledSpectrum HairBxdf::F(const Vector3 &wo, const Vector3 &wi, TransportMode mode) const {
+    if (mode == TransportMode::Importance) return F(wi, wo, TransportMode::Radiance);
     if (wi.z == 0) return SampledSpectrum(0);
     const View view = ViewFrom(wo);
     return WeightedSum(view.attenuation, Densities(view, wi)) / std::abs(wi.z);
@@ -158,7 +159,7 @@ Float HairBxdf::Pdf(const Vector3 &wo, const Vector3 &wi, TransportMode) const {
     return WeightedSum(Chances(view.attenuation), Densities(view, wi));
 }
 
-std::optional<BsdfSample> HairBxdf::Sample(const Vector3 &wo, Float uc, const Point2 &u, TransportMode) const {
+std::optional<BsdfSample> HairBxdf::Sample(const Vector3 &wo, Float uc, const Point2 &u, TransportMode mode) const {
     const View view = ViewFrom(wo);
     const std::array<Float, Lobes> chances = Chances(view.attenuation);
     size_t p = 0;
@@ -180,7 +181,9 @@ std::optional<BsdfSample> HairBxdf::Sample(const Vector3 &wo, Float uc, const Po
     const Vector3 wi(sinI, cosI * std::cos(phi), cosI * std::sin(phi));
     if (wi.z == 0) return {};
     const std::array<Float, Lobes> densities = Densities(view, wi);
-    return BsdfSample{WeightedSum(view.attenuation, densities) / std::abs(wi.z), wi, WeightedSum(chances, densities),
+    const SampledSpectrum f =
+        mode == TransportMode::Importance ? F(wo, wi, mode) : WeightedSum(view.attenuation, densities) / std::abs(wi.z);
+    return BsdfSample{f, wi, WeightedSum(chances, densities),
                       BxdfFlags::Glossy | (SameHemisphere(wo, wi) ? BxdfFlags::Reflection : BxdfFlags::Transmission)};
 }
 

@@ -17,8 +17,9 @@ class HairBxdf {
     HairBxdf(Float offset, Float eta, const SampledSpectrum &sigmaA, Float betaM, Float betaN, Float alphaDegrees);
 
     BxdfFlags Flags() const { return BxdfFlags::Glossy | BxdfFlags::Reflection | BxdfFlags::Transmission; }
-    SampledSpectrum F(const Vector3 &wo, const Vector3 &wi, TransportMode) const;
-    std::optional<BsdfSample> Sample(const Vector3 &wo, Float uc, const Point2 &u, TransportMode) const;
+    /// The model is not reciprocal: for TransportMode::Importance, f(wi, wo).
+    SampledSpectrum F(const Vector3 &wo, const Vector3 &wi, TransportMode mode) const;
+    std::optional<BsdfSample> Sample(const Vector3 &wo, Float uc, const Point2 &u, TransportMode mode) const;
     Float Pdf(const Vector3 &wo, const Vector3 &wi, TransportMode) const;
 
     /// Absorption for which a mass of fibres of roughness `betaN` has reflectance `c` (Chiang et al. 2016).

@@ -104,6 +104,19 @@ SampledSpectrum CoatedBxdf<Base>::Evaluate(const Vector3 &wo, const Vector3 &wi,
     return top_.F(o, i, mode) + inside / Float(nSamples_);
 }
 
+template <class Base>
+typename CoatedBxdf<Base>::MirrorBounces CoatedBxdf<Base>::MirrorBouncesTo(const Vector3 &exit,
+                                                                           TransportMode mode) const {
+    MirrorBounces to;
+    const std::optional<BsdfSample> bounce = bottom_.Sample(exit, 0, {}, mode);
+    if (!bounce) return to;
+    const Float transmittance = Transmittance(thickness_, exit);
+    to.fromBase = bounce->f * (AbsCosTheta(exit) * transmittance / bounce->pdf);
+    const Float down = std::min(top_.DrawReflection(-exit, {}).weight, OneMinusEpsilon) * transmittance;
+    to.all /= SampledSpectrum(1) - to.fromBase * down;
+    return to;
+}
+
 /// One walk from wo, connected to wi through the coat at every event. At rough coats the walk's next direction is also
 /// evaluated at the coat, and both estimates are combined by MIS.
 template <class Base>
@@ -114,14 +127,13 @@ SampledSpectrum CoatedBxdf<Base>::EstimateInside(const Vector3 &wo, const Vector
     auto draw2 = [&] { return smoothTop ? Point2() : rng.Uniform2(); };
     SampledSpectrum f(0);
     const DielectricBxdf::Drawn in = top_.DrawTransmission(wo, draw2(), mode);
-    if (!(in.weight > 0)) return f;
     const DielectricBxdf::Drawn out = top_.DrawTransmission(wi, draw2(), Reverse(mode));
-    if (!(out.weight > 0)) return f;
-
+    if (!(in.weight > 0 && out.weight > 0)) return f;
     const HenyeyGreenstein phase(g_);
     const Vector3 exit = -out.wi;
     // Light scattered towards `exit` that leaves along wi, per scattered light.
     const Float exitWeight = out.weight / AbsCosTheta(exit), exitTransmittance = Transmittance(thickness_, exit);
+    const MirrorBounces mirrored = smoothTop && smoothBase ? MirrorBouncesTo(exit, mode) : MirrorBounces();
     // Adds light leaving through the coat along w, sampled with density `pdf`. `alternative`: the connection could also
     // have sampled it.
     auto leave = [&](const SampledSpectrum &beta, const Vector3 &w, Float dz, Float pdf, bool alternative) {
@@ -149,11 +161,13 @@ SampledSpectrum CoatedBxdf<Base>::EstimateInside(const Vector3 &wo, const Vector
                 z = zCollision;
                 Float p = phase.P(-w, exit);
                 Float weight = smoothTop ? 1 : PowerHeuristic(out.pdf, p);
-                f += beta * albedo_ * (exitWeight * p * weight * Transmittance(thickness_ - z, exit));
-
+                SampledSpectrum up(p * weight * Transmittance(thickness_ - z, exit));
+                if (mirrored.fromBase)
+                    up += mirrored.fromBase * (phase.P(-w, {exit.x, exit.y, -exit.z}) * Transmittance(z, exit));
+                beta *= albedo_;
+                f += beta * mirrored.all * up * exitWeight;
                 Vector3 scattered = phase.SampleP(-w, rng.Uniform2()).wi;
                 if (scattered.z == 0) break;
-                beta *= albedo_;
                 if (scattered.z > 0 && !smoothTop) leave(beta, scattered, thickness_ - z, phase.P(-w, scattered), true);
                 w = scattered;
                 continue;

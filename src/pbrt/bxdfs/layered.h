@@ -165,6 +165,13 @@ class CoatedBxdf {
     SampledSpectrum Evaluate(const Vector3 &wo, const Vector3 &wi, TransportMode mode) const;
     template <ExitWeights Weights>
     SampledSpectrum EstimateInside(const Vector3 &wo, const Vector3 &wi, TransportMode mode, Rng &rng) const;
+    /// Between smooth boundaries, light scattered in the medium reaches the coat along `exit` also by mirror
+    /// reflections.
+    struct MirrorBounces {
+        SampledSpectrum fromBase{0};  ///< fraction of what arrives at the base that the coat receives
+        SampledSpectrum all{1};       ///< sum over further reflections at coat and base, per light received first
+    };
+    MirrorBounces MirrorBouncesTo(const Vector3 &exit, TransportMode mode) const;
     Float EstimateDensity(const Vector3 &wo, const Vector3 &wi, TransportMode mode, Rng &rng) const;
 
     // A clear coat on a Lambertian base; directions are above the coat.

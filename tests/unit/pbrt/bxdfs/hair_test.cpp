@@ -110,12 +110,14 @@ TEST(Hair, SampleAgreesWithFAndPdf) {
         HairBxdf hair(offset, 1.45f, Values(0.1f, 0, 0.6f, 4), betaM, betaN, 3.5f);
         for (int i = 0; i < 100; ++i) {
             Vector3 wo = SampleUniformSphere(rng.Uniform2());
-            auto s = SampleLobe(hair, wo, rng, kRadiance);
+            const bool isOnLightPath = i % 2;
+            const TransportMode mode = isOnLightPath ? TransportMode::Importance : kRadiance;
+            auto s = SampleLobe(hair, wo, rng, mode);
             ASSERT_TRUE(s);
             EXPECT_NEAR(Length(s->wi), 1, 1e-5f);
-            EXPECT_FLOAT_EQ(hair.Pdf(wo, s->wi, kRadiance), s->pdf);
+            EXPECT_FLOAT_EQ(hair.Pdf(wo, s->wi, mode), s->pdf);
             EXPECT_EQ(IsReflective(s->flags), SameHemisphere(wo, s->wi));
-            SampledSpectrum f = hair.F(wo, s->wi, kRadiance);
+            SampledSpectrum f = isOnLightPath ? hair.F(s->wi, wo, kRadiance) : hair.F(wo, s->wi, kRadiance);
             for (int k = 0; k < SpectrumSamples; ++k) EXPECT_FLOAT_EQ(f[k], s->f[k]);
             EXPECT_TRUE(std::isfinite(s->pdf) && s->pdf > 0 && !std::isnan(s->f.Average()));
         }

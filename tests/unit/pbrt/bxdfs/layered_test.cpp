@@ -56,6 +56,7 @@ void ForEachStack(Check check) {
     check(Stack<ConductorBxdf>{"rough on rough metal", Coat(1.8f, 0.4f, 0.4f), Metal(0.5f), 0.01f, 0, 0, 10});
     check(Stack<ConductorBxdf>{"rough on mirror", Coat(1.5f, 0.3f, 0.3f), Metal(0), 0.01f, 0, 0, 10});
     check(Stack<ConductorBxdf>{"smooth, medium, metal", Coat(1.5f, 0, 0), Metal(0.5f), 0.5f, 0.7f, -0.3f, 20});
+    check(Stack<ConductorBxdf>{"smooth, medium, mirror", Coat(1.5f, 0, 0), Metal(0), 0.5f, 0.7f, -0.3f, 20});
 }
 
 /// The reference: an analog walk of one photon. The lobes' own samplers draw all events; there are no connections, no
@@ -134,7 +135,7 @@ double ZOfDifference(const RunningStatistics &a, const RunningStatistics &b, dou
 template <class Base>
 void ExpectCells(const std::vector<RunningStatistics> &cells, const Stack<Base> &stack, const Vector3 &wo,
                  std::optional<size_t> left = {}) {
-    constexpr double kMax = 4.8;  // 11 stacks x 2 views x 36 cells
+    constexpr double kMax = 4.8;  // 12 stacks x 2 views x 36 cells
     const std::vector<RunningStatistics> twin = TwinCells(stack, wo, 40000);
     for (size_t c = 0; c < cells.size(); ++c) {
         if (c == left) continue;

@@ -98,10 +98,7 @@ bool BdptIntegrator::ScatterAtSurface(PathWalk &walk, Subpath &path) const {
     vertex.pdfForward =
         before.isBeyondScene ? vertex.AreaPdfOfParallel(path.pdf, point.wo) : vertex.AreaPdf(before, path.pdf);
     const Float uComponent = path.sampler.Get1D();
-    const Point2 u = path.sampler.Get2D();
-    const std::optional<BsdfSample> next = mode == TransportMode::Radiance
-                                               ? bsdf.Sample(point.wo, uComponent, u, mode)
-                                               : SampleAdjoint(vertex.surface, uComponent, u);
+    const std::optional<BsdfSample> next = bsdf.Sample(point.wo, uComponent, path.sampler.Get2D(), mode);
     if (!next) return false;
     path.weights.beta *= next->f * ((mode == TransportMode::Radiance ? AbsDot(next->wi, point.shading.n)
                                                                      : AdjointCosine(point, point.wo, next->wi)) /
@@ -115,7 +112,7 @@ bool BdptIntegrator::ScatterAtSurface(PathWalk &walk, Subpath &path) const {
         path.pdf = next->pdfIsProportional ? bsdf.Pdf(point.wo, next->wi, mode) : next->pdf;
         const TransportMode other =
             mode == TransportMode::Radiance ? TransportMode::Importance : TransportMode::Radiance;
-        before.pdfReverse = before.AreaPdf(vertex, vertex.ScatterPdf(next->wi, point.wo, other));
+        before.pdfReverse = before.AreaPdf(vertex, bsdf.Pdf(next->wi, point.wo, other));
     }
     walk.Scatter(*next);
     return true;
@@ -254,8 +251,8 @@ SampledSpectrum BdptIntegrator::ConnectToLight(Sample &sample, int cameraVertice
     const Point2 u = sampler.Get2D();
     LightMemory memory;
     const LightDistribution lights = (connecting_ ? *connecting_ : *shooting_).At(query, memory);
-    LightSampleContext from = last.Context();
-    if (last.IsSurface()) from.p = ScatteringContextAt(scene, last.surface.point, last.surface.bsdf).p;
+    const LightSampleContext from =
+        last.IsSurface() ? ScatteringContextAt(scene, last.surface.point, last.surface.bsdf) : last.Context();
     const std::optional<DirectLight> direct = SampleDirectLight(
         scene.Lights(), lights, from, sample.lambda, false, sampler.Get1D(), u, sample.observed,
         [&](const Vector3 &wi) {

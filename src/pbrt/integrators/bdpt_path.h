@@ -34,7 +34,6 @@ struct BdptVertex {
 
     bool IsSurface() const { return kind == Kind::Surface; }
     bool IsInMedium() const { return kind == Kind::Medium; }
-    bool TurnsToRay() const { return IsSurface() && surface.point.turnsToRay; }
     Point3 Position() const { return IsSurface() ? surface.point.p : p; }
     Normal3 Normal() const { return IsSurface() ? surface.point.n : n; }
     Vector3 Towards(const BdptVertex &to) const {
@@ -47,12 +46,12 @@ struct BdptVertex {
         const Vector3 d = Position() - from.Position();
         const Float l2 = LengthSquared(d);
         if (!(l2 > 0)) return 0;
-        return AreaPdfOfParallel(solidAnglePdf / l2, d / std::sqrt(l2));
+        const Normal3 normal = Normal();
+        return solidAnglePdf / l2 * (normal == Normal3(0) ? Float(1) : AbsDot(normal, d) / std::sqrt(l2));
     }
     /// Converts a density by area across parallel rays of this direction (unit) into one by area here.
     Float AreaPdfOfParallel(Float pdf, const Vector3 &w) const {
         const Normal3 normal = Normal();
-        if (TurnsToRay()) return pdf * Length(Cross(w, Normalize(surface.point.dpdu)));
         return normal == Normal3(0) ? pdf : pdf * AbsDot(normal, w);
     }
 
@@ -62,8 +61,7 @@ struct BdptVertex {
     bool CanConnect() const { return IsInMedium() || IsNonSpecular(surface.bsdf.Flags()); }
     /// BSDF or phase function between the direction of the previous vertex and `wi`.
     SampledSpectrum F(const Vector3 &wi, TransportMode mode = TransportMode::Radiance) const {
-        if (IsInMedium()) return SampledSpectrum(phase->P(direction, wi));
-        return mode == TransportMode::Radiance ? surface.bsdf.F(surface.point.wo, wi) : AdjointF(surface, wi);
+        return IsInMedium() ? SampledSpectrum(phase->P(direction, wi)) : surface.bsdf.F(surface.point.wo, wi, mode);
     }
     /// Cosine factor of F; 1 in media.
     Float Cosine(const Vector3 &wi) const { return IsInMedium() ? 1 : AbsDot(wi, surface.point.shading.n); }
@@ -71,18 +69,11 @@ struct BdptVertex {
         return IsInMedium() ? 1 : AdjointCosine(surface.point, surface.point.wo, wi);
     }
     /// Density (solid angle) of scattering from `wo` towards `wi`.
-    Float ScatterPdf(Vector3 wo, Vector3 wi, TransportMode mode) const {
-        if (IsInMedium()) return phase->P(wo, wi);
-        const SurfacePoint &point = surface.point;
-        if (point.turnsToRay && Dot(wi, point.wo) > Dot(wo, point.wo)) TurnToOtherRay(point, wo, wi);
-        return surface.bsdf.Pdf(wo, wi, mode);
+    Float ScatterPdf(const Vector3 &wo, const Vector3 &wi, TransportMode mode) const {
+        return IsInMedium() ? phase->P(wo, wi) : surface.bsdf.Pdf(wo, wi, mode);
     }
-    /// Context and Query omit normals that differ between camera and light paths: of strips that turn to the ray.
     LightSampleContext Context() const {
-        if (IsInMedium()) return {p, {}, {}, {}, time};
-        LightSampleContext context = LightContextAt(surface.point);
-        if (TurnsToRay()) context.ns = Normal3(0);
-        return context;
+        return IsInMedium() ? LightSampleContext{p, {}, {}, {}, time} : LightContextAt(surface.point);
     }
     MediumId MediumTowards(const Vector3 &wi) const { return IsInMedium() ? medium : surface.point.MediumTowards(wi); }
     /// Light sampler query, with outgoing direction `wo`, at this depth from the camera.
@@ -90,11 +81,6 @@ struct BdptVertex {
         if (IsInMedium()) return LightQueryInMedium(p, wo, medium, *phase, time, lambda, depth);
         LightQuery query = LightQueryAt(surface, lambda, depth);
         query.wo = wo;
-        if (TurnsToRay()) {
-            query.n = query.ns = Normal3(0);
-            query.transmits = true;
-            query.bsdf = nullptr;
-        }
         return query;
     }
 };

@@ -127,10 +127,12 @@ class LightPathIntegrator final : public PixelIntegrator {
                 Splat(
                     LightContextAt(point), uLens, [&](const Vector3 &wi) { return point.MediumTowards(wi); },
                     [&](const Vector3 &wi) {
-                        return beta * AdjointF(walk.Vertex(), wi) * AdjointCosine(point, point.wo, wi);
+                        return beta * bsdf.F(point.wo, wi, TransportMode::Importance) *
+                               AdjointCosine(point, point.wo, wi);
                     });
             const Float uComponent = sampler_.Get1D();
-            const std::optional<BsdfSample> sample = SampleAdjoint(walk.Vertex(), uComponent, sampler_.Get2D());
+            const std::optional<BsdfSample> sample =
+                bsdf.Sample(point.wo, uComponent, sampler_.Get2D(), TransportMode::Importance);
             if (!sample) return false;
             beta *= sample->f * (AdjointCosine(point, point.wo, sample->wi) / sample->pdf);
             if (!beta) return false;

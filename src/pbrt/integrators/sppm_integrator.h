@@ -136,7 +136,8 @@ class SppmIntegrator final : public PixelIntegrator {
             }
             if (++scatterings == settings_.maxDepth) break;
             const Float uComponent = rng.Uniform();
-            const std::optional<BsdfSample> sample = SampleAdjoint(walk.Vertex(), uComponent, rng.Uniform2());
+            const std::optional<BsdfSample> sample =
+                bsdf.Sample(point.wo, uComponent, rng.Uniform2(), TransportMode::Importance);
             if (!sample) break;
             SampledSpectrum next = beta * sample->f * (AdjointCosine(point, point.wo, sample->wi) / sample->pdf);
             // Russian roulette that keeps the power of all photons about equal.

@@ -273,7 +273,6 @@ SurfacePoint Curves::SurfaceOnRay(uint32_t primitive, const PrimitiveHit &hit, c
     s.primitive = primitive;
     s.uv = {hit.u, hit.v};
     s.p = o + d * hit.t;
-    s.turnsToRay = kind_ != CurveKind::Ribbon;
     s.pError = width * errorOfWidth_;
     s.dpdu = dpdu;
     s.dpdv = dpdv;

@@ -13,7 +13,6 @@ struct SurfacePoint {
     Vector3 pError{};  ///< componentwise bound on |true p - p|
     Vector3 wo{};      ///< unit, back along the ray
     Normal3 n{};       ///< geometric, unit, oriented by the shape (ReverseOrientation, handedness, vertex normals)
-    bool turnsToRay = false;  ///< n depends on wo: the surface is a strip along dpdu that faces every ray
     Point2 uv{};
     Vector3 dpdu{}, dpdv{};
     Normal3 dndu{}, dndv{};

@@ -35,33 +35,6 @@ inline Float AdjointCosine(const SurfacePoint &point, const Vector3 &wo, const V
     return geometric > 0 ? AbsDot(wo, point.shading.n) * AbsDot(wi, point.n) / geometric : 0;
 }
 
-/// At a strip that turns to the ray along `wo`: changes both directions so that its BSDF there has the value that it
-/// has for them where the ray along `wi` hits the strip, on the other side of its middle. They exchange their azimuths
-/// about the strip and keep their inclinations.
-inline void TurnToOtherRay(const SurfacePoint &point, Vector3 &wo, Vector3 &wi) {
-    const Vector3 along = Normalize(point.dpdu);
-    const Vector3 o = along * Dot(wo, along), i = along * Dot(wi, along), acrossO = wo - o, acrossI = wi - i;
-    const Float lengthO = Length(acrossO), lengthI = Length(acrossI);
-    if (!(lengthO > 0 && lengthI > 0)) return;
-    wo = o + acrossI * (lengthO / lengthI);
-    wi = i + acrossO * (lengthI / lengthO);
-}
-
-/// BSDF of a light path's vertex towards wi, for AdjointCosine.
-inline SampledSpectrum AdjointF(const PathVertex &vertex, Vector3 wi) {
-    Vector3 wo = vertex.point.wo;
-    if (vertex.point.turnsToRay) TurnToOtherRay(vertex.point, wo, wi);
-    return vertex.bsdf.F(wo, wi, TransportMode::Importance);
-}
-
-/// Samples a light path's next direction. f is AdjointF, but where it is proportional only: coats on curves are biased.
-inline std::optional<BsdfSample> SampleAdjoint(const PathVertex &vertex, Float uc, const Point2 &u) {
-    std::optional<BsdfSample> sample = vertex.bsdf.Sample(vertex.point.wo, uc, u, TransportMode::Importance);
-    if (sample && vertex.point.turnsToRay && !IsSpecular(sample->flags) && !sample->pdfIsProportional)
-        sample->f = AdjointF(vertex, sample->wi);
-    return sample;
-}
-
 /// Light sampler query at a vertex. Refers to the vertex's BSDF and `lambda`, which must outlive it.
 inline LightQuery LightQueryAt(const PathVertex &vertex, const SampledWavelengths &lambda, int depth) {
     const SurfacePoint &point = vertex.point;

@@ -1,9 +1,4 @@
 // Paths from the lights, and paths from both sides, make the picture that paths from the camera make.
-#include "pbrt/integrators/bdpt_path.h"
-#include "pbrt/math/rng.h"
-#include "pbrt/math/warps.h"
-#include "pbrt/transport/path_walk.h"
-#include "support/build_text.h"
 #include "support/errors.h"
 #include "support/light_views.h"
 
@@ -54,45 +49,6 @@ TEST(LightPath, LightsWithoutVisibleGeometryAreNotSeen) {
                                              .AreaLight("5 5 5")
                                              .Shape("sphere", "'float alpha' 0"));
     EXPECT_EQ(ChannelStatistics(RenderText(scene).image).mean, 0);
-}
-
-/// Strips that turn to the ray are the same from both ends, on opposite sides of their middle. Power scattered into a
-/// solid angle is radiance times the strip's width in projection, the same for all rays, and the sine to its axis.
-TEST(LightPath, CurvesScatterAlikeFromBothEnds) {
-    const Vector3 along = Normalize(Vector3(1, 0.3f, 0.2f));
-    const std::string curve = "'float width' .2 'point3 P' [ -3 -.9 4.4  -1 -.3 4.8  1 .3 5.2  3 .9 5.6 ]";
-    for (const char *type : {"flat", "cylinder"})
-        for (const char *material : {"'diffuse'", "'conductor' 'float roughness' .4", "'hair' 'float alpha' 9"}) {
-            SampledWavelengths lambda = SampledWavelengths::SampleVisible(0.5f);
-            const BuiltScene built =
-                BuildText(SceneText().InWorldSpace().Camera(40).Film(8, 8).Integrator("bdpt").World(
-                    fmt::format("Material {}\nShape 'curve' 'string type' '{}' {}\n", material, type, curve)));
-            const PathContext context{*built.scene, *built.camera, 1, true};
-            const auto hit = [&](const Vector3 &w, Float side) {
-                const Point3 start = Point3(0, 0, 5) + w * Float(2) + Normalize(Cross(along, w)) * side;
-                PathWalk walk(context, Ray{.o = start, .d = -w});
-                EXPECT_EQ(walk.Next(), PathWalk::Met::Surface);
-                EXPECT_TRUE(walk.FindScattering(lambda));
-                BdptVertex vertex;
-                vertex.surface = walk.Vertex();
-                return vertex;
-            };
-            Rng rng(1);
-            for (int i = 0; i < 50; ++i) {
-                const Vector3 wo = SampleUniformSphere(rng.Uniform2()), wi = SampleUniformSphere(rng.Uniform2());
-                const Float sineO = Length(Cross(wo, along)), sineI = Length(Cross(wi, along));
-                if (std::min(sineO, sineI) < 0.3f) continue;
-                const Float side = 0.08f * (2 * rng.Uniform() - 1);
-                const BdptVertex fromLight = hit(wo, side), fromCamera = hit(wi, -side);
-                const Float light = fromLight.F(wi, TransportMode::Importance)[0] * fromLight.CosineOfLight(wi) * sineO;
-                const Float camera = fromCamera.F(wo)[0] * fromCamera.Cosine(wo) * sineI;
-                EXPECT_NEAR(light, camera, 2e-3f * camera + 1e-5f) << type << ' ' << material << ' ' << i;
-                for (const Vector3 &w : {wo, wi})
-                    EXPECT_NEAR(fromLight.AreaPdfOfParallel(1, w), fromCamera.AreaPdfOfParallel(1, w), 1e-4f);
-                const Float density = fromCamera.ScatterPdf(wo, wi, TransportMode::Importance);
-                EXPECT_NEAR(fromLight.ScatterPdf(wo, wi, TransportMode::Importance), density, 2e-3f * density + 1e-5f);
-            }
-        }
 }
 
 TEST(LightPath, NeedsACameraThatItCanReach) {

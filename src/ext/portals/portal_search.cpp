@@ -86,7 +86,6 @@ struct Crossing {
     Vector2 slope;
     bool left;
     double count;
-    size_t half = 0;  ///< the lines are in two halves, one held out for the other
     /// Crossing point with a plane; empty if the line starts beyond it.
     std::optional<Point2> At(Float height) const {
         if (!(height > p.z)) return {};
@@ -124,10 +123,7 @@ class Planes {
         for (const Line &line : lines) {
             const Vector3 p = frame.ToLocal(line.p);
             x.push_back(p.x), y.push_back(p.y), z.push_back(p.z);
-            if (const std::optional<Crossing> c = CrossingOf(frame, line)) {
-                crossing_.push_back(*c);
-                crossing_.back().half = crossing_.size() % 2;
-            }
+            if (const std::optional<Crossing> c = CrossingOf(frame, line)) crossing_.push_back(*c);
         }
         std::tie(low_.x, high_.x) = Range(std::move(x));
         std::tie(low_.y, high_.y) = Range(std::move(y));
@@ -138,7 +134,7 @@ class Planes {
     }
 
     struct Cell {
-        std::array<double, 2> left{}, blocked{};  ///< of each half
+        std::array<double, 2> left{}, blocked{};  ///< of both halves of the rays
         double Gain(size_t half) const { return left[half] - kBlocked * blocked[half]; }
         double Gain() const { return Gain(0) + Gain(1); }
     };
@@ -209,10 +205,10 @@ class Planes {
     }
     Grid Count(Float height) const {
         Grid grid(size_t(cells_) * cells_);
-        for (const Crossing &c : crossing_)
-            if (const std::optional<Point2> at = c.At(height))
+        for (size_t i = 0; i < crossing_.size(); ++i)
+            if (const std::optional<Point2> at = crossing_[i].At(height))
                 if (const std::optional<size_t> cell = CellAt(*at))
-                    (c.left ? grid[*cell].left : grid[*cell].blocked)[c.half] += c.count;
+                    (crossing_[i].left ? grid[*cell].left : grid[*cell].blocked)[i % 2] += crossing_[i].count;
         return grid;
     }
     double GainAt(Float height, bool heldOut) const {

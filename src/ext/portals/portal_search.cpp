@@ -134,8 +134,9 @@ class Planes {
     }
 
     struct Cell {
-        double left = 0, blocked = 0;
-        double Gain() const { return left - kBlocked * blocked; }
+        std::array<double, 2> left{}, blocked{};  ///< of both halves of the rays
+        double Gain(size_t half) const { return left[half] - kBlocked * blocked[half]; }
+        double Gain() const { return Gain(0) + Gain(1); }
     };
     using Grid = std::vector<Cell>;
     struct Plane {
@@ -143,10 +144,11 @@ class Planes {
         Float height = 0;
     };
 
-    Plane Best() const {
+    /// The plane of maximum gain; `heldOut`: see FindPortals.
+    Plane Best(bool heldOut) const {
         Plane best;
         const auto test = [&](Float height) {
-            const double gain = GainAt(height);
+            const double gain = GainAt(height, heldOut);
             if (gain > best.gain) best = {gain, height};
         };
         const Float step = (high_.z - low_.z) / kSteps;
@@ -203,15 +205,19 @@ class Planes {
     }
     Grid Count(Float height) const {
         Grid grid(size_t(cells_) * cells_);
-        for (const Crossing &c : crossing_)
-            if (const std::optional<Point2> at = c.At(height))
+        for (size_t i = 0; i < crossing_.size(); ++i)
+            if (const std::optional<Point2> at = crossing_[i].At(height))
                 if (const std::optional<size_t> cell = CellAt(*at))
-                    (c.left ? grid[*cell].left : grid[*cell].blocked) += c.count;
+                    (crossing_[i].left ? grid[*cell].left : grid[*cell].blocked)[i % 2] += crossing_[i].count;
         return grid;
     }
-    double GainAt(Float height) const {
+    double GainAt(Float height, bool heldOut) const {
         double gain = 0;
-        for (const Cell &cell : Count(height)) gain += std::max(cell.Gain(), 0.0);
+        for (const Cell &cell : Count(height)) {
+            if (!heldOut) gain += std::max(cell.Gain(), 0.0);
+            for (size_t half = 0; heldOut && half < 2; ++half)
+                if (cell.Gain(half) > 0) gain += cell.Gain(1 - half);
+        }
         return gain;
     }
 
@@ -320,24 +326,15 @@ bool LiesIn(const Portal &portal, const Portal &other) {
            common.x * common.y > Float(0.7) * size.x * size.y;
 }
 
-}  // namespace
-
-std::vector<Portal> FindPortals(std::span<const EnvironmentRay> rays, std::span<const Normal3> normals) {
-    std::vector<Line> lines;  // at most kMaxRays of each kind
-    size_t count[2] = {0, 0}, seen[2] = {0, 0};
-    for (const EnvironmentRay &ray : rays) ++count[ray.left];
-    for (const EnvironmentRay &ray : rays) {
-        const size_t n = count[ray.left], taken = std::min(n, kMaxRays), i = seen[ray.left]++;
-        if (i * taken / n != (i + 1) * taken / n) lines.push_back({ray.p, ray.d, ray.left, double(n) / double(taken)});
-    }
+/// Portals in the planes of maximum gain, one plane after the other, each of the lines that pass no portal before.
+std::vector<Portal> Search(std::vector<Line> lines, std::span<const Vector3> facings, bool heldOut) {
     double left = 0;
     for (const Line &line : lines) left += line.left ? line.count : 0;
-    const std::vector<Vector3> facings = Facings(normals);
     std::vector<Portal> portals;
     while (portals.size() < kMaxPortals && !lines.empty()) {
         std::vector<Planes::Plane> best(facings.size());
         ParallelForEach(int64_t(facings.size()),
-                        [&](int64_t i) { best[i] = Planes(FrameOf(facings[i], facings), lines).Best(); });
+                        [&](int64_t i) { best[i] = Planes(FrameOf(facings[i], facings), lines).Best(heldOut); });
         const auto most = std::ranges::max_element(best, {}, &Planes::Plane::gain);
         if (!(most->gain > kSmallestShare * left)) break;
         const Planes planes(FrameOf(facings[size_t(most - best.begin())], facings), lines);
@@ -349,6 +346,42 @@ std::vector<Portal> FindPortals(std::span<const EnvironmentRay> rays, std::span<
             return std::ranges::any_of(found, [&](const Portal &p) { return p.IsPassed(line.p, line.d); });
         });
         portals.insert(portals.end(), found.begin(), found.end());
+    }
+    return portals;
+}
+
+/// Root of the second moment of the lines that left, if each is drawn with the best probability of its region, of those
+/// of the portals and the remainder: the sum over regions of the root of (all lines in it times those that left).
+double RootSecondMoment(std::span<const Portal> portals, std::span<const Line> lines) {
+    std::vector<double> all(portals.size() + 1, 0), left(all);
+    for (const Line &line : lines) {
+        const auto first = std::ranges::find_if(portals, [&](const Portal &p) { return p.IsPassed(line.p, line.d); });
+        const auto region = size_t(first - portals.begin());
+        all[region] += line.count;
+        left[region] += line.left ? line.count : 0;
+    }
+    double sum = 0;
+    for (size_t k = 0; k < all.size(); ++k) sum += std::sqrt(all[k] * left[k]);
+    return sum;
+}
+
+}  // namespace
+
+std::vector<Portal> FindPortals(std::span<const EnvironmentRay> rays, std::span<const Normal3> normals) {
+    std::vector<Line> lines;  // at most kMaxRays of each kind
+    size_t count[2] = {0, 0}, seen[2] = {0, 0};
+    for (const EnvironmentRay &ray : rays) ++count[ray.left];
+    for (const EnvironmentRay &ray : rays) {
+        const size_t n = count[ray.left], taken = std::min(n, kMaxRays), i = seen[ray.left]++;
+        if (i * taken / n != (i + 1) * taken / n) lines.push_back({ray.p, ray.d, ray.left, double(n) / double(taken)});
+    }
+    const std::vector<Vector3> facings = Facings(normals);
+    std::vector<Portal> portals;
+    double least = RootSecondMoment(portals, lines);
+    for (const bool heldOut : {false, true}) {
+        std::vector<Portal> found = Search(lines, facings, heldOut);
+        const double moment = RootSecondMoment(found, lines);
+        if (moment < least) least = moment, portals = std::move(found);
     }
     return portals;
 }

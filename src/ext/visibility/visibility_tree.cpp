@@ -35,7 +35,7 @@ std::optional<std::string> CellOctree::ValidateFor(size_t rows) const {
             continue;
         }
         const size_t block = (size_t(node) - TopCount) / 8;
-        // A block before this one has a depth: those not reached by then were refused.
+        // Every earlier block has a depth; else an error was returned.
         if (node < TopCount || (node - TopCount) % 8 != 0 || block >= depth.size() || depth[block] != 0)
             return "a node of an octree has no children of its own";
         if (here == MaxDepth) return "an octree is too deep";

@@ -134,7 +134,7 @@ TEST(ImageContributionLightSampler, CanBePreparedTwice) {
         return report;
     };
     const nlohmann::ordered_json once = reported();
-    EXPECT_GT(once.at("groupsSeen").get<int>(), 0);
+    EXPECT_GT(once.at("contributingGroups").get<int>(), 0);
     test::PrepareIn(r.built, *r.sampler);
     EXPECT_EQ(reported(), once);
 }

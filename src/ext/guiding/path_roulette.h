@@ -37,7 +37,7 @@ struct RouletteRecord {
     std::optional<std::string> Validate() const {
         if (IsEmpty() || !std::isfinite(p.x + p.y + p.z) || !std::isfinite(here.cost) || !std::isfinite(onwards.cost))
             return "a record is not finite";
-        return kind < kKinds ? std::nullopt : std::optional("a record is of no kind");
+        return kind < kKinds ? std::nullopt : std::optional("a record has an invalid kind");
     }
 };
 
@@ -167,17 +167,16 @@ class PathRoulette {
     std::optional<std::string> Validate() const {
         if (std::optional<std::string> fault = tree_.ValidateFor(kKinds, cells_.size())) return fault;
         if (!HasEstimates())
-            return cells_.empty() && tiles_.empty() ? std::nullopt
-                                                    : std::optional("cells of roulette belong to no tree");
+            return cells_.empty() && tiles_.empty() ? std::nullopt : std::optional("roulette cells without a tree");
         constexpr int kMaxSide = 1 << 24;
         if (tile_ < 1 || tile_ > kMaxSide || size_.x < 1 || size_.y < 1 || size_.x > kMaxSide || size_.y > kMaxSide)
-            return "roulette was learned for no image";
+            return "roulette has an invalid image size or tile size";
         const auto along = [&](int pixels) { return size_t((pixels + tile_ - 1) / tile_); };
-        if (tiles_.size() != along(size_.x) * along(size_.y)) return "the tiles of roulette do not cover the image";
+        if (tiles_.size() != along(size_.x) * along(size_.y)) return "the roulette tiles do not cover the image";
         for (const Float tile : tiles_)
-            if (!(tile > 0)) return "a tile of roulette has no importance";
+            if (!(tile > 0)) return "a roulette tile has no importance";
         for (const Cell &cell : cells_)
-            if (!std::isfinite(cell.here) || !std::isfinite(cell.onwards)) return "a cell of roulette is not finite";
+            if (!std::isfinite(cell.here) || !std::isfinite(cell.onwards)) return "a roulette cell is not finite";
         return {};
     }
     Vector2i Size() const { return size_; }

@@ -43,6 +43,7 @@ void OpenFolder(const ExperimentSettings &settings, const Json &identity, const 
     records.SaveSettings(identity);
 }
 
+/// Renders the runs of an experiment: seed by seed, all samplers in turns from checkpoint to checkpoint.
 class Rounds {
   public:
     Rounds(const ExperimentContext &context, const References &references)

@@ -138,10 +138,10 @@ std::optional<std::string> VisibilityRecords::ValidateFor(size_t groups, const L
     for (const VisibilityRecord &r : records) {
         if (r.firstRay != next || r.rayCount == 0 || r.rayCount > rays.size() - next)
             return "the shadow rays of records do not follow each other";
-        if (!IsFinite(r.p)) return "a record lies at no finite place";
+        if (!IsFinite(r.p)) return "the position of a record is not finite";
         next += r.rayCount;
     }
-    if (next != rays.size()) return "shadow rays belong to no record";
+    if (next != rays.size()) return "shadow rays without a record";
     for (const ShadowRay &t : rays) {
         if (t.light >= groups || (lights && lights->PositionOf(t.light) == LightTree::kNowhere))
             return "a shadow ray goes to a light that does not exist";

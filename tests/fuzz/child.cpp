@@ -153,20 +153,20 @@ void Child::EnforceTime() {
     switch (stage_) {
         case Stage::Running:
             if (cpu < limits_.seconds && wall - startWall_ < kWallPerCpu * limits_.seconds) return;
-            result_.askedToStop = true;
+            result_.wasTerminated = true;
             stopWall_ = wall;
             stopCpu_ = cpu;
-            stage_ = Stage::AskedToStop;
+            stage_ = Stage::Terminating;
             kill(pid_, SIGTERM);
             return;
-        case Stage::AskedToStop:
+        case Stage::Terminating:
             if (cpu - stopCpu_ < limits_.graceSeconds && wall - stopWall_ < kWallPerCpu * limits_.graceSeconds) return;
             result_.hung = true;
             killWall_ = wall;
-            stage_ = Stage::AskedWhere;
+            stage_ = Stage::Tracing;
             kill(pid_, kWhereSignal);
             return;
-        case Stage::AskedWhere:
+        case Stage::Tracing:
             if (wall - killWall_ > 1) kill(pid_, SIGKILL);
             return;
     }

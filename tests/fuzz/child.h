@@ -24,9 +24,9 @@ struct PictureReport {
 
 /// How a child ended.
 struct ChildResult {
-    int status = -1;  ///< exit status; -1 if a signal ended it
-    int signal = 0;   ///< the signal that ended it, or that its handler saw
-    bool askedToStop = false;
+    int status = -1;             ///< exit status; -1 if a signal ended it
+    int signal = 0;              ///< the signal that ended it, or that its handler saw
+    bool wasTerminated = false;  ///< by SIGTERM, at the end of its time
     bool hung = false;           ///< it had to be killed
     std::vector<void *> frames;  ///< the stack at the signal or where it hung, innermost first
     std::string messages;        ///< standard output and error, the first 64 KB
@@ -66,7 +66,7 @@ class Child {
     int endFd_ = -1, messagesFd_ = -1;
     clockid_t clock_{};
     double startWall_ = 0, stopWall_ = 0, stopCpu_ = 0, killWall_ = 0;
-    enum class Stage { Running, AskedToStop, AskedWhere } stage_ = Stage::Running;
+    enum class Stage { Running, Terminating, Tracing } stage_ = Stage::Running;
     Limits limits_;
     ChildResult result_;
 };

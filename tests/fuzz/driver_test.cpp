@@ -70,7 +70,7 @@ class Driver : public ::testing::Test {
             Image image(PixelFormat::Float, {4, 3}, {"R", "G", "B"});
             image.Set({1, 2}, 1, value);
             WriteImage("out.exr", image);
-            LookAtPicture("out.exr", report);
+            CheckImage("out.exr", report);
         });
     }
     static const CaseMaker &Maker() { return *maker_; }
@@ -165,11 +165,11 @@ TEST_F(Driver, ChecksImages) {
     EXPECT_EQ(AfterWriting(2).outcome, Outcome::Rendered);
     EXPECT_EQ(AfterWriting(std::numeric_limits<Float>::quiet_NaN()).outcome, Outcome::Picture);
     EXPECT_EQ(AfterWriting(std::numeric_limits<Float>::infinity()).outcome, Outcome::Picture);
-    const auto look = [](PictureReport &report) { LookAtPicture("out.exr", report); };
+    const auto look = [](PictureReport &report) { CheckImage("out.exr", report); };
     EXPECT_EQ(VerdictOn(0, look).outcome, Outcome::Silent);
     const auto writeText = [](PictureReport &report) {
         std::ofstream("out.exr") << "not a picture";
-        LookAtPicture("out.exr", report);
+        CheckImage("out.exr", report);
     };
     EXPECT_EQ(VerdictOn(0, writeText).outcome, Outcome::Picture);
     for (const char *name : {"out.exr", "out.tmp123.exr"})

@@ -126,7 +126,7 @@ void SaveFailures(const Settings &s, const CaseMaker &maker, const Scratch &scra
     for (auto &[name, cause] : tally.causes) {
         const FuzzCase original = maker.Make(s.seed, cause.firstNumber, KindsOf(s, maker));
         const CaseResult first = place.Run(original, s.limits);
-        const bool isSlow = first.run.askedToStop;
+        const bool isSlow = first.run.wasTerminated;
         // A state with a part left out has another checksum.
         const int tries = original.kind == "state" ? 0 : isSlow ? std::min(s.shrinkTries, 30) : s.shrinkTries;
         const FuzzCase small = Shrink(

@@ -150,7 +150,7 @@ Verdict Judge(const ChildResult &r, const FuzzCase &fuzzCase, const std::vector<
     if (!sanitizer.empty()) return {Outcome::Sanitizer, sanitizer};
     if (r.hung) return {Outcome::Hang, Where(r.frames)};
     if (r.signal != 0) {
-        if (r.askedToStop && r.signal == SIGTERM) return {Outcome::Stopped, ""};
+        if (r.wasTerminated && r.signal == SIGTERM) return {Outcome::Stopped, ""};
         const bool memory = r.messages.find("bad_alloc") != std::string::npos;
         return {memory ? Outcome::Memory : Outcome::Signal, fmt::format("{} {}", strsignal(r.signal), Where(r.frames))};
     }
@@ -158,7 +158,7 @@ Verdict Judge(const ChildResult &r, const FuzzCase &fuzzCase, const std::vector<
     const bool isThere = std::find(left.begin(), left.end(), fuzzCase.output) != left.end();
     for (const std::string &name : left)
         if (name != fuzzCase.output) return {Outcome::Picture, "left a file: " + WithoutDetails(name)};
-    if (r.askedToStop) return {Outcome::Stopped, ""};
+    if (r.wasTerminated) return {Outcome::Stopped, ""};
 
     if (r.status == 0) {
         using State = PictureReport::State;

@@ -20,7 +20,7 @@ namespace fs = std::filesystem;
 
 namespace {
 
-void SayBad(PictureReport &report, const std::string &text) {
+void SetBad(PictureReport &report, const std::string &text) {
     report.state = PictureReport::State::Bad;
     std::snprintf(report.text.data(), report.text.size(), "%s", text.c_str());
 }
@@ -49,19 +49,19 @@ int RunLightlab([[maybe_unused]] const FuzzCase &fuzzCase) {
 
 }  // namespace
 
-void LookAtPicture(const std::string &path, PictureReport &report) {
+void CheckImage(const std::string &path, PictureReport &report) {
     if (!fs::exists(path)) return;
     using State = PictureReport::State;
     report.state = State::Good;
     try {
         const Image image = ReadImage(path).image;
-        if (image.ValueCount() == 0) SayBad(report, "no pixels");
+        if (image.ValueCount() == 0) SetBad(report, "no pixels");
         ForEachValue(image, [&](Point2i p, int c) {
             if (report.state == State::Good && !std::isfinite(image.Get(p, c)))
-                SayBad(report, "not finite: " + image.Channels()[c]);
+                SetBad(report, "not finite: " + image.Channels()[c]);
         });
     } catch (const UserError &e) {
-        SayBad(report, std::string("unreadable: ") + e.what());
+        SetBad(report, std::string("unreadable: ") + e.what());
     }
 }
 
@@ -72,7 +72,7 @@ int RunProgram(const FuzzCase &fuzzCase, PictureReport &report) {
     if (hasReference) fs::copy_file(fuzzCase.files[1].name, fs::path(kLabFolder) / fuzzCase.files[1].name);
     const int status =
         fuzzCase.isLightlab ? RunLightlab(fuzzCase) : Call(RunPbrt, "pbrt", fuzzCase, {"--outfile", fuzzCase.output});
-    if (status == 0) LookAtPicture(fuzzCase.output, report);
+    if (status == 0) CheckImage(fuzzCase.output, report);
     if (hasReference) fs::remove_all(kLabFolder);
     return status;
 }

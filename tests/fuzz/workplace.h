@@ -16,11 +16,11 @@ void PrepareProgram(const std::string &folder);
 /// The folder of lightlab's experiment and references, below the working folder. A case with a reference removes it.
 constexpr const char *kLabFolder = "lab";
 
-/// Runs pbrt or lightlab on the case's files, which lie in the working folder, and looks at the picture. For a child.
+/// Runs pbrt or lightlab on the case's files, which lie in the working folder, and checks the image. For a child.
 int RunProgram(const FuzzCase &fuzzCase, PictureReport &report);
 
-/// Reads the picture that the program wrote and reports on it.
-void LookAtPicture(const std::string &path, PictureReport &report);
+/// Reports on the image that the program wrote.
+void CheckImage(const std::string &path, PictureReport &report);
 
 struct CaseResult {
     Verdict verdict;

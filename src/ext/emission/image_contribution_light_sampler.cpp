@@ -91,9 +91,9 @@ class ContributionPath {
         if (!weights_.beta) return false;
         pdf_ = IsSpecular(sample->flags) ? 0 : sample->pdfIsProportional ? bsdf.Pdf(point.wo, sample->wi) : sample->pdf;
         anyNonSpecular_ = anyNonSpecular_ || pdf_ > 0;
-        if (const Float survive = weights_.beta.MaxComponent(); depth > 1 && survive < 1) {
-            if (rng_.Uniform() >= survive) return false;
-            weights_.beta /= survive;
+        if (const Float continuation = weights_.beta.MaxComponent(); depth > 1 && continuation < 1) {
+            if (rng_.Uniform() >= continuation) return false;
+            weights_.beta /= continuation;
         }
         return true;
     }
@@ -185,27 +185,27 @@ void ImageContributionLightSampler::Prepare(PrepareContext &context) {
     contributions_.clear();
     missed_ = 1;
     prepassSeconds_ = 0;
-    groupsSeen_ = 0;
+    contributingGroups_ = 0;
     if (groups_.Size() <= 1) return;
     const auto start = std::chrono::steady_clock::now();
     const double pixels = context.pixelBounds.IsEmpty() ? 0 : double(context.pixelBounds.Area());
     const double paths = std::clamp(double(params_.budget) * context.samplesPerPixel * pixels, kMinPaths, kMaxPaths);
     contributions_ = EstimateImageContributions(context, BVHLightSampler(groups_), paths);
     auto powerOf = [&](uint32_t g) { return double(groups_.Lights().PowerTowardsReceivers(groups_.Candidate(g))); };
-    double found = 0, samples = 0, once = 0, power = 0;
+    double contribution = 0, samples = 0, once = 0, power = 0;
     for (uint32_t g = 0; g < groups_.Size(); ++g) {
-        found += contributions_[g].sum;
+        contribution += contributions_[g].sum;
         samples += contributions_[g].count;
         once += contributions_[g].count == 1;
-        groupsSeen_ += contributions_[g].count > 0;
+        contributingGroups_ += contributions_[g].count > 0;
         power += powerOf(g);
     }
-    if (!(found > 0) || !(power > 0) || !std::isfinite(power)) return;
+    if (!(contribution > 0) || !(power > 0) || !std::isfinite(power)) return;
     missed_ = once / samples;
     std::vector<double> roots(groups_.Size());
     for (uint32_t g = 0; g < groups_.Size(); ++g) {
         const double share = powerOf(g) / power;
-        roots[g] = std::sqrt(share * ((1 - missed_) * contributions_[g].sum / found + missed_ * share));
+        roots[g] = std::sqrt(share * ((1 - missed_) * contributions_[g].sum / contribution + missed_ * share));
     }
     const double sum = std::accumulate(roots.begin(), roots.end(), 0.0);
     if (!(sum > 0)) return;
@@ -220,8 +220,8 @@ void ImageContributionLightSampler::Prepare(PrepareContext &context) {
 void ImageContributionLightSampler::Report(nlohmann::ordered_json &json) const {
     json["parameters"] = EffectiveParamsText(params_);
     json["prepassSeconds"] = prepassSeconds_;
-    json["groupsSeen"] = groupsSeen_;
-    json["lightMissed"] = missed_;
+    json["contributingGroups"] = contributingGroups_;
+    json["missedContribution"] = missed_;
     json["bytes"] = table_.Bytes() + contributions_.capacity() * sizeof(ImageContribution);
     GroupLightSampler::Report(json);
 }

@@ -53,7 +53,7 @@ class ImageContributionLightSampler final : public PowerLightSampler {
     ImageContributionParams params_;
     std::vector<ImageContribution> contributions_;
     double missed_ = 1, prepassSeconds_ = 0;
-    size_t groupsSeen_ = 0;
+    size_t contributingGroups_ = 0;
 };
 
 }  // namespace ext

@@ -178,7 +178,7 @@ class GuideCellsBuilder {
 
     /// Sampled and expected flux per tree node and cluster of a part (node-major).
     struct Sums {
-        std::vector<double> found, expected;
+        std::vector<double> sampled, expected;
         std::vector<double> events;      ///< of the part; per node, of leaves only
         std::vector<double> meanSample;  ///< per cluster
     };
@@ -186,8 +186,8 @@ class GuideCellsBuilder {
     /// Estimates cluster radiances per task as sampled over expected flux, top-down. Sparse cells shrink to their
     /// parent's estimate.
     void EstimateRadiances(size_t part) {
-        const std::vector<SourceCluster> &targets = clusters_[part];
-        const size_t count = targets.size();
+        const std::vector<SourceCluster> &clusters = clusters_[part];
+        const size_t count = clusters.size();
         if (count == 0) return;
         const std::vector<PointTree::Node> &nodes = cells_.tree_.Nodes();
         const Sums sums = SumSamples(part);
@@ -197,7 +197,7 @@ class GuideCellsBuilder {
             for (size_t k = 0; k < count; ++k) {
                 const double prior = kPriorSamples * sums.meanSample[k];
                 double &a = factor[node * count + k];  // holds the parent's value here
-                const double f = sums.found[node * count + k] + prior;
+                const double f = sums.sampled[node * count + k] + prior;
                 a = f > 0 && a > 0 ? f / (sums.expected[node * count + k] + prior / a) : 0;
             }
             const size_t below = nodes[node].below;
@@ -206,7 +206,7 @@ class GuideCellsBuilder {
                 std::vector<double> flux(count);
                 for (size_t k = 0; k < count; ++k) {
                     const double a = factor[node * count + k];
-                    radiances[k] = Float(a * double(targets[k].radiance));
+                    radiances[k] = Float(a * double(clusters[k].radiance));
                     flux[k] = a * sums.expected[node * count + k] / sums.events[node];
                 }
                 if (sums.events[node] > 0) OmitWeakGroups(flux, &radiances);
@@ -238,20 +238,20 @@ class GuideCellsBuilder {
     }
 
     Sums SumSamples(size_t part) const {
-        const std::vector<SourceCluster> &targets = clusters_[part];
-        const size_t count = targets.size();
+        const std::vector<SourceCluster> &clusters = clusters_[part];
+        const size_t count = clusters.size();
         const std::vector<PointTree::Node> &nodes = cells_.tree_.Nodes();
         Sums sums;
-        sums.found.resize(nodes.size() * count);
+        sums.sampled.resize(nodes.size() * count);
         sums.expected.resize(nodes.size() * count);
         sums.events.resize(nodes.size());
         sums.meanSample.resize(count);
         std::vector<double> samples(count);
         for (size_t node = nodes.size(); node-- > 0;) {
-            double *const f = &sums.found[node * count], *const e = &sums.expected[node * count];
+            double *const f = &sums.sampled[node * count], *const e = &sums.expected[node * count];
             const size_t below = nodes[node].below;
             if (!nodes[node].IsLeaf()) {
-                const double *const f0 = &sums.found[below * count], *const e0 = &sums.expected[below * count];
+                const double *const f0 = &sums.sampled[below * count], *const e0 = &sums.expected[below * count];
                 for (size_t k = 0; k < count; ++k) {
                     f[k] = f0[k] + f0[count + k];
                     e[k] = e0[k] + e0[count + k];
@@ -263,7 +263,7 @@ class GuideCellsBuilder {
                 const Entry &entry = records_[i];
                 const uint32_t cluster = entry.cluster[part];
                 // Inside a cluster the expected flux is 0 (SolidAngleOf), so its samples are excluded.
-                if (cluster == RadianceSample::kNone || targets[cluster].Contains(entry.record->p)) continue;
+                if (cluster == RadianceSample::kNone || clusters[cluster].Contains(entry.record->p)) continue;
                 f[cluster] += entry.flux[part];
                 sums.meanSample[cluster] += entry.flux[part];
                 ++samples[cluster];
@@ -274,13 +274,13 @@ class GuideCellsBuilder {
             for (size_t i = 0; i < task.bounces; i += step, ++places) {
                 const GuideRecord &r = places_[bounces_[task.firstBounce + i]];
                 for (size_t k = 0; k < count; ++k)
-                    angles[k] += double(SolidAngleOf(targets[k], r.p, r.normal, r.bothSides));
+                    angles[k] += double(SolidAngleOf(clusters[k], r.p, r.normal, r.bothSides));
             }
             for (double &angle : angles)
                 if (places > 0) angle /= double(places);
             double &ofPart = sums.events[node];
             for (size_t i = 0; i < task.bounces; ++i) ofPart += IsOf(places_[bounces_[task.firstBounce + i]], part);
-            for (size_t k = 0; k < count; ++k) e[k] = ofPart * double(targets[k].radiance) * angles[k];
+            for (size_t k = 0; k < count; ++k) e[k] = ofPart * double(clusters[k].radiance) * angles[k];
         }
         for (size_t k = 0; k < count; ++k)
             if (samples[k] > 0) sums.meanSample[k] /= samples[k];
@@ -296,14 +296,14 @@ class GuideCellsBuilder {
             GuideDirections directions;
             const size_t other = r.isOfFirstHalf ? 1 : 0;
             directions.Prepare(sideBySide_[other], task.radiances[other], r.p, r.normal, r.bothSides);
-            const auto found = double(r.contribution), pdf = double(r.pdf), bsdfPdf = double(r.bsdfPdf),
+            const auto contribution = double(r.contribution), pdf = double(r.pdf), bsdfPdf = double(r.bsdfPdf),
                        guidePdf = double(directions.Pdf(r.wi));
-            const double square = found * found * records_[i].counts * pdf;
+            const double square = contribution * contribution * records_[i].counts * pdf;
             for (size_t k = 0; k < kProbabilities; ++k) {
                 const auto share = double(ProbabilityAt(k));
                 tested_[i].squares[k] = square / ((1 - share) * bsdfPdf + share * guidePdf);
             }
-            tested_[i].plainSquare = found * found * pdf / bsdfPdf;
+            tested_[i].plainSquare = contribution * contribution * pdf / bsdfPdf;
         }
     }
 

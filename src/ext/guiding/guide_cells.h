@@ -163,8 +163,7 @@ class GuideCells {
         for (const SourceCluster &t : clusters_)
             if (!std::isfinite(t.p.x + t.p.y + t.p.z) || !isNumber(t.r2) || !isNumber(t.radiance))
                 return "a cluster is not finite";
-        return tree_.IsEmpty() != leaves_.empty() ? std::optional("cells of the guide belong to no tree")
-                                                  : std::nullopt;
+        return tree_.IsEmpty() != leaves_.empty() ? std::optional("guide cells without a tree") : std::nullopt;
     }
     void LeavesChanged() {
         sideBySide_ = SourceClusters(clusters_);

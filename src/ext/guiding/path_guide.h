@@ -79,7 +79,7 @@ class PathGuide final : public DirectionSampling {
     void Visit(auto &archive) { archive(estimatesDirections_, cells_, roulette_); }
     std::optional<std::string> Validate() const {
         return estimatesDirections_ || cells_.Cells() == 0 ? std::nullopt
-                                                           : std::optional("it has directions, which are off");
+                                                           : std::optional("it has directional guiding, which is off");
     }
     void SaveLearned(StateWriter &out, bool withLearning) const override;
     /// Cells, guided cells, saved share of the path cost, memory of estimates and (maximum) records, update time.

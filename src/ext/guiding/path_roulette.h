@@ -37,7 +37,7 @@ struct RouletteRecord {
     std::optional<std::string> Validate() const {
         if (IsEmpty() || !std::isfinite(p.x + p.y + p.z) || !std::isfinite(here.cost) || !std::isfinite(onwards.cost))
             return "a record is not finite";
-        return kind < kKinds ? std::nullopt : std::optional("a record is of no kind");
+        return kind < kKinds ? std::nullopt : std::optional("a record has an invalid kind");
     }
 };
 
@@ -167,17 +167,16 @@ class PathRoulette {
     std::optional<std::string> Validate() const {
         if (std::optional<std::string> fault = tree_.ValidateFor(kKinds, cells_.size())) return fault;
         if (!HasEstimates())
-            return cells_.empty() && tiles_.empty() ? std::nullopt
-                                                    : std::optional("cells of roulette belong to no tree");
+            return cells_.empty() && tiles_.empty() ? std::nullopt : std::optional("roulette cells without a tree");
         constexpr int kMaxSide = 1 << 24;
         if (tile_ < 1 || tile_ > kMaxSide || size_.x < 1 || size_.y < 1 || size_.x > kMaxSide || size_.y > kMaxSide)
-            return "roulette was learned for no image";
+            return "roulette has an invalid image size or tile size";
         const auto along = [&](int pixels) { return size_t((pixels + tile_ - 1) / tile_); };
-        if (tiles_.size() != along(size_.x) * along(size_.y)) return "the tiles of roulette do not cover the image";
+        if (tiles_.size() != along(size_.x) * along(size_.y)) return "the roulette tiles do not cover the image";
         for (const Float tile : tiles_)
-            if (!(tile > 0)) return "a tile of roulette has no importance";
+            if (!(tile > 0)) return "a roulette tile has no importance";
         for (const Cell &cell : cells_)
-            if (!std::isfinite(cell.here) || !std::isfinite(cell.onwards)) return "a cell of roulette is not finite";
+            if (!std::isfinite(cell.here) || !std::isfinite(cell.onwards)) return "a roulette cell is not finite";
         return {};
     }
     Vector2i Size() const { return size_; }
@@ -237,16 +236,16 @@ class PathRoulette {
         std::vector<double> radiance(sums.size());
         for (int y = 0; y < count.y; ++y)
             for (int x = 0; x < count.x; ++x) {
-                double found = 0, paths = 0;
+                double weighted = 0, paths = 0;
                 for (int dy = -1; dy <= 1; ++dy)
                     for (int dx = -1; dx <= 1; ++dx) {
                         if (x + dx < 0 || x + dx >= count.x || y + dy < 0 || y + dy >= count.y) continue;
                         const auto &tile = sums[(y + dy) * count.x + x + dx];
                         const double weight = (dx == 0 ? 2 : 1) * (dy == 0 ? 2 : 1);
-                        found += weight * tile[0];
+                        weighted += weight * tile[0];
                         paths += weight * tile[1];
                     }
-                radiance[y * count.x + x] = std::hypot(paths > 0 ? found / paths : mean, kDark * mean);
+                radiance[y * count.x + x] = std::hypot(paths > 0 ? weighted / paths : mean, kDark * mean);
             }
         return radiance;
     }
@@ -257,36 +256,36 @@ class PathRoulette {
         for (size_t i = 0, end = 0; i < totals.size(); i = end) {
             while (end < totals.size() && pixels[end] == pixels[i]) ++end;
             const size_t block = std::bit_floor(std::max<size_t>(1, (end - i) / 2));
-            double n = 0, found = 0, squares = 0;
+            double n = 0, sum = 0, squares = 0;
             for (size_t k = i; k + block <= end; k += block) {
                 if (!std::all_of(&totals[k], &totals[k] + block, [](const PathTotal &t) { return t.cost > 0; }))
                     continue;
                 double x = 0;
                 for (size_t m = k; m < k + block; ++m) x += double(totals[m].radiance);
                 ++n;
-                found += x;
+                sum += x;
                 squares += x * x;
             }
             if (n < 2) continue;
             const double I = radianceOf(pixels[i]);
-            variances.push_back(std::max(0.0, (squares - found * found / n) / (n - 1)) / (double(block) * I * I));
+            variances.push_back(std::max(0.0, (squares - sum * sum / n) / (n - 1)) / (double(block) * I * I));
         }
         return variances;
     }
     void EstimatePixels(Vector2i size, const std::vector<Point2i> &pixels) {
         const std::span<const PathTotal> totals = totals_.Places();
-        double known = 0, sum = 0;
+        double paths = 0, sum = 0;
         for (const PathTotal &t : totals) {
             if (!(t.cost > 0)) continue;
-            ++known;
+            ++paths;
             sum += double(t.radiance);
         }
         tree_.Begin(0);
         cells_.clear();
         tiles_.clear();
         if (!(sum > 0)) return;
-        const double mean = sum / known;
-        const double perPixel = known / (double(size.x) * size.y);
+        const double mean = sum / paths;
+        const double perPixel = paths / (double(size.x) * size.y);
         size_ = size;
         tile_ = std::max(4, int(std::ceil(std::sqrt(kTilePaths / perPixel))));
         const Vector2i count = (size + (tile_ - 1)) / tile_;
@@ -305,7 +304,7 @@ class PathRoulette {
         double limited = 0;
         for (const double v : variances) limited += std::min(v, kLargestPixel * all);
         if (!(limited > 0)) return;
-        const double scale = std::sqrt(RecordedCost() / known * double(variances.size()) / limited);
+        const double scale = std::sqrt(RecordedCost() / paths * double(variances.size()) / limited);
         tiles_.resize(radiance.size());
         for (size_t i = 0; i < radiance.size(); ++i) tiles_[i] = Float(scale / radiance[i]);
         tree_.Begin(kKinds);

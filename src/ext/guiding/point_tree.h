@@ -65,19 +65,19 @@ class PointTree {
     /// Empty, or why LeafOf would not terminate or return a number of `leaves` or more. Unreachable nodes are allowed.
     std::optional<std::string> ValidateFor(size_t roots, size_t leaves) const {
         if (nodes_.empty()) return {};
-        if (nodes_.size() < roots || (nodes_.size() - roots) % 2 != 0) return "a tree of places lacks nodes";
+        if (nodes_.size() < roots || (nodes_.size() - roots) % 2 != 0) return "a point tree is incomplete";
         std::vector<bool> isChild((nodes_.size() - roots) / 2, false);
         for (size_t i = 0; i < nodes_.size(); ++i) {
             const Node &node = nodes_[i];
-            if (node.axis > kLeaf) return "a tree of places is divided across no axis";
+            if (node.axis > kLeaf) return "a node of a point tree has an invalid axis";
             if (node.IsLeaf()) {
-                if (node.below >= leaves) return "a tree of places has a leaf with a wrong number";
+                if (node.below >= leaves) return "a leaf of a point tree has an invalid number";
                 continue;
             }
             const size_t pair = (size_t{node.below} - roots) / 2;
             if (node.below <= i || node.below < roots || (node.below - roots) % 2 != 0 || pair >= isChild.size() ||
                 isChild[pair] || std::isnan(node.split))
-                return "a node of a tree of places has no children of its own";
+                return "nodes of a point tree share children or have none";
             isChild[pair] = true;
         }
         return {};

@@ -25,14 +25,14 @@ void Store(const F &v, Float *to) { Ops::StoreAligned(v, to); }
 /// Offset below `end`, a multiple of `stride`, of the weight that contains *left, in [0, sum of the weights). Makes
 /// *left relative to its start. If rounding puts *left past the sum: the last positive weight.
 size_t FindWeight(const Float *weights, size_t end, size_t stride, Float *left) {
-    size_t found = 0;
+    size_t last = 0;
     for (size_t k = 0; k < end; k += stride) {
         if (!(weights[k] > 0)) continue;
-        found = k;
+        last = k;
         if (*left < weights[k]) break;
         *left -= weights[k];
     }
-    return found;
+    return last;
 }
 
 /// 1 - cos of a cone's half angle, from its squared sine.

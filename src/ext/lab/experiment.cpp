@@ -43,6 +43,7 @@ void OpenFolder(const ExperimentSettings &settings, const Json &identity, const 
     records.SaveSettings(identity);
 }
 
+/// Renders the runs of an experiment: seed by seed, all samplers in turns from checkpoint to checkpoint.
 class Rounds {
   public:
     Rounds(const ExperimentContext &context, const References &references)
@@ -61,8 +62,8 @@ class Rounds {
         recordsOf_.assign(settings_.samplers.size(), {});
         for (size_t i = 0; i < settings_.samplers.size(); ++i)
             for (int seed = 0; seed < settings_.seeds; ++seed) {
-                recordsOf_[i].push_back(TakeUpRun(context_.records, context_.scene, settings_.samplers[i].folder, seed,
-                                                  checkpoints_.size(), PictureFile(i, seed)));
+                recordsOf_[i].push_back(LoadResumableRun(context_.records, context_.scene, settings_.samplers[i].folder,
+                                                         seed, checkpoints_.size(), PictureFile(i, seed)));
                 const RunRecord &record = recordsOf_[i].back();
                 if (!record.rounds.empty()) LearnCost(i, record.rounds.back().samples, record.SecondsPerSample());
             }

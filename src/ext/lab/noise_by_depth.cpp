@@ -80,8 +80,8 @@ svg text { fill: currentColor; } svg text.in { fill: #fff; }
         "<title>{0} · noise per path depth</title>\n</head>\n<body>\n<h1>Noise per path depth: {0}</h1>\n", scene);
     page += fmt::format(
         "<p>Expected relL2 of an image of {} per pixel, by how many scattering events paths may have. A piece "
-        "of a bar is what the vertex of that number adds (its light sample and the light that a bounce from the vertex "
-        "before finds). oracle: optimal light selection, the bound for any choice of lights. {} each. {}</p>\n",
+        "of a bar is what the vertex of that number adds (its light sample and the emission that a bounce from the "
+        "previous vertex hits). oracle: optimal light selection, the bound for any choice of lights. {} each. {}</p>\n",
         CountText(json.at("samples").get<int>(), "sample"), CountText(json.at("seeds").get<int>(), "seed"), kRareLight);
     page += "<h2>All pixels</h2>\n" + Bars(json, "plain");
     page += "<h2>Trimmed: without the noisiest 0.1 % of the pixels</h2>\n" + Bars(json, "trimmed");

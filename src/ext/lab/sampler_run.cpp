@@ -117,8 +117,8 @@ bool IsWholeImage(const std::string &file, Point2i resolution) {
     }
 }
 
-RunRecord TakeUpRun(const RecordFolder &records, const LabScene &scene, const std::string &sampler, int seed,
-                    size_t checkpoints, const std::string &picture) {
+RunRecord LoadResumableRun(const RecordFolder &records, const LabScene &scene, const std::string &sampler, int seed,
+                           size_t checkpoints, const std::string &picture) {
     RunRecord run = records.LoadRun(sampler, seed, checkpoints);
     auto canResume = [&](size_t rounds) {
         if (rounds == checkpoints) return IsWholeImage(picture, scene.Resolution());

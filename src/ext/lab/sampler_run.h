@@ -54,8 +54,8 @@ class SamplerRun {
 /// Loads the rounds of a run up to the last one that can be resumed. All records up to it must be complete and belong
 /// to this experiment, and that round's film must exist (the finished image for the last of `checkpoints`). Removes
 /// later files, with a warning if records are among them. `picture`: file of the finished image.
-RunRecord TakeUpRun(const RecordFolder &records, const LabScene &scene, const std::string &sampler, int seed,
-                    size_t checkpoints, const std::string &picture);
+RunRecord LoadResumableRun(const RecordFolder &records, const LabScene &scene, const std::string &sampler, int seed,
+                           size_t checkpoints, const std::string &picture);
 
 bool IsFinite(const Image &picture);
 /// True if the image is readable and has finite R, G and B at this resolution.

@@ -135,8 +135,8 @@ class Measurer {
             const ShadowTransmittance through =
                 TraceShadow(scene_, from, mediumTowards(sample->wi), *sample, path.lambda, path.rng);
             if (!through.value) continue;
-            const SampledSpectrum found = weights.beta * to.f * sample->L * through.value;
-            const Float c = strength(found) / (sample->pdf * weights.Mean(weights.ru * through.rl));
+            const SampledSpectrum contribution = weights.beta * to.f * sample->L * through.value;
+            const Float c = strength(contribution) / (sample->pdf * weights.Mean(weights.ru * through.rl));
             if (!(c > 0) || !std::isfinite(c)) continue;
             lights_.push_back({uint32_t(l), c, sample->pdf, to.pdf, IsDelta(light.Kind()),
                                light.Kind() == LightKind::Infinite, sample->wi});

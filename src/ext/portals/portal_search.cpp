@@ -158,8 +158,8 @@ class Planes {
         return best;
     }
 
-    /// Bounding rectangles of connected cells with positive gain.
-    std::vector<Portal> Portals(Float height, double fewest) const {
+    /// Bounding rectangles of connected cells with positive gain that at least `minCount` rays pass.
+    std::vector<Portal> Portals(Float height, double minCount) const {
         const Grid grid = Count(height);
         std::vector<int> component(grid.size(), -1);
         int components = 0;
@@ -173,24 +173,24 @@ class Planes {
             Flood(cells_, 1, {i}, take);
             ++components;
         }
-        struct Found {
+        struct Rays {
             std::vector<Float> x, y;
             double count = 0;
         };
-        std::vector<Found> found(components);
+        std::vector<Rays> raysOf(components);
         for (const Crossing &c : crossing_) {
             const std::optional<Point2> at = c.At(height);
             const std::optional<size_t> cell = at && c.left ? CellAt(*at) : std::nullopt;
             if (!cell || component[*cell] < 0) continue;
-            Found &f = found[size_t(component[*cell])];
-            f.x.push_back(at->x), f.y.push_back(at->y);
-            f.count += c.count;
+            Rays &rays = raysOf[size_t(component[*cell])];
+            rays.x.push_back(at->x), rays.y.push_back(at->y);
+            rays.count += c.count;
         }
         std::vector<Portal> portals;
-        for (Found &f : found) {
-            if (f.x.size() < kMinRays || f.count < fewest) continue;
-            const auto [x0, x1] = Around(std::move(f.x));
-            const auto [y0, y1] = Around(std::move(f.y));
+        for (Rays &rays : raysOf) {
+            if (rays.x.size() < kMinRays || rays.count < minCount) continue;
+            const auto [x0, x1] = Around(std::move(rays.x));
+            const auto [y0, y1] = Around(std::move(rays.y));
             portals.push_back({frame_, {x0, y0, height}, {x1, y1, height}});
         }
         return portals;

@@ -144,7 +144,7 @@ class CellCut {
             double moment = 0, share = 0;
             double cost = 0;           ///< contribution of the node to the cost of a cut
             double key = 0;            ///< maximum merge cost at or below the node
-            bool isUnreached = false;  ///< shadow rays to the node's lights found none
+            bool isUnreached = false;  ///< no shadow ray reached the node's lights
         };
         std::vector<Item> items = {};
         std::vector<double> w = {}, w2 = {}, wm = {},

@@ -18,8 +18,8 @@ double SampleGroup(const Scene &scene, const PrepassVertex &vertex, const LightQ
     return VisibleContribution(scene, vertex, scene.Lights()[light->light], u) / double(light->pmf);
 }
 
-Float RatioOf(double found, Float g) {
-    const auto ratio = Float(found / double(g));
+Float RatioOf(double contribution, Float g) {
+    const auto ratio = Float(contribution / double(g));
     return std::isfinite(ratio) ? ratio : 0;
 }
 
@@ -51,8 +51,8 @@ struct ShadowRayTracer {
         for (uint32_t i = 0; i < groups; ++i) {
             if (!(g[i] > 0)) continue;
             Float share = g[i] / sum;
-            const double found = SampleGroup(scene, vertex, query, interior, i, rng);
-            rays.push_back({i, share, share, RatioOf(found, g[i])});
+            const double contribution = SampleGroup(scene, vertex, query, interior, i, rng);
+            rays.push_back({i, share, share, RatioOf(contribution, g[i])});
         }
     }
     void TraceToDrawn(const PrepassVertex &vertex, const LightQuery &query, Rng &rng,
@@ -85,9 +85,9 @@ struct ShadowRayTracer {
             if (!drawn) continue;
             const Float g = importance.Of(query, drawn->light.value);
             if (!(g > 0)) continue;
-            const double found = SampleGroup(scene, vertex, query, interior, drawn->light.value, rng);
+            const double contribution = SampleGroup(scene, vertex, query, interior, drawn->light.value, rng);
             total += double(g / drawn->pmf);
-            rays.push_back({drawn->light.value, g, g / drawn->pmf, RatioOf(found, g)});
+            rays.push_back({drawn->light.value, g, g / drawn->pmf, RatioOf(contribution, g)});
         }
         const double unoccluded = total / double(perRecord);
         for (size_t t = first; t < rays.size(); ++t) {
@@ -138,10 +138,10 @@ std::optional<std::string> VisibilityRecords::ValidateFor(size_t groups, const L
     for (const VisibilityRecord &r : records) {
         if (r.firstRay != next || r.rayCount == 0 || r.rayCount > rays.size() - next)
             return "the shadow rays of records do not follow each other";
-        if (!IsFinite(r.p)) return "a record lies at no finite place";
+        if (!IsFinite(r.p)) return "the position of a record is not finite";
         next += r.rayCount;
     }
-    if (next != rays.size()) return "shadow rays belong to no record";
+    if (next != rays.size()) return "shadow rays without a record";
     for (const ShadowRay &t : rays) {
         if (t.light >= groups || (lights && lights->PositionOf(t.light) == LightTree::kNowhere))
             return "a shadow ray goes to a light that does not exist";

@@ -23,21 +23,21 @@ void SortIntoChildren(const std::vector<glm::uvec3> &quantized, std::vector<uint
 std::optional<std::string> CellOctree::ValidateFor(size_t rows) const {
     if (!IsFinite(low_) || !IsPositive(scale_.x) || !IsPositive(scale_.y) || !IsPositive(scale_.z))
         return "the box of an octree is not finite";
-    if (nodes_.size() < TopCount || (nodes_.size() - TopCount) % 8 != 0) return "an octree lacks nodes";
+    if (nodes_.size() < TopCount || (nodes_.size() - TopCount) % 8 != 0) return "an octree is incomplete";
     // Depth of each block of eight children; 0: unreachable. Children follow their parents.
     std::vector<uint8_t> depth((nodes_.size() - TopCount) / 8, 0);
     for (size_t i = 0; i < nodes_.size(); ++i) {
         const uint32_t node = nodes_[i];
         const int here = i < TopCount ? 2 : depth[(i - TopCount) / 8];
-        if (here == 0) return "a node of an octree is not reached";
+        if (here == 0) return "an octree has unreachable nodes";
         if (node & LeafBit) {
             if ((node & ~LeafBit) >= rows) return "a leaf of an octree has no row";
             continue;
         }
         const size_t block = (size_t(node) - TopCount) / 8;
-        // A block before this one has a depth: those not reached by then were refused.
+        // Every earlier block has a depth; else an error was returned.
         if (node < TopCount || (node - TopCount) % 8 != 0 || block >= depth.size() || depth[block] != 0)
-            return "a node of an octree has no children of its own";
+            return "nodes of an octree share children or have none";
         if (here == MaxDepth) return "an octree is too deep";
         depth[block] = uint8_t(here + 1);
     }

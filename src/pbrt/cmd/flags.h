@@ -181,6 +181,17 @@ inline bool IsFlag(const std::string &argument) {
            argument[name] != '.';
 }
 
+/// The argument with its flag in the declared spelling of `app`. Unknown flags and other arguments stay unchanged.
+inline std::string CanonicalFlag(const CLI::App &app, const std::string &argument) {
+    if (!IsFlag(argument)) return argument;
+    const size_t equals = std::min(argument.find('='), argument.size());
+    const std::string folded = FoldFlag(argument.substr(0, equals));
+    for (const CLI::Option *option : app.get_options())
+        for (const std::string &name : option->get_lnames())
+            if (FoldFlag(name) == folded) return "--" + name + argument.substr(equals);
+    return argument;
+}
+
 /// Throws if a number list has the wrong length. CLI11 would count any words that follow.
 inline void CheckNumberList(const CLI::Option &option, const std::vector<std::string> &arguments, size_t at) {
     const int wanted = option.get_expected_min() * option.get_type_size_min();

@@ -1,5 +1,7 @@
 #include "pbrt/core/factory_table.h"
 
+#include <regex>
+
 namespace pbrt {
 
 namespace {
@@ -25,6 +27,13 @@ std::string TypeName(const ParamDoc &doc, bool isShort) {
     return doc.isList ? name + "[]" : name;
 }
 
+/// A line of Markdown for a terminal. Anchors are those of docs/reference/compatibility.md.
+std::string WithoutMarkup(const std::string &markdown) {
+    static const std::regex kAnchor(R"(\[([^\]]*)\]\(#[^)]*\))"), kLink(R"(\[([^\]]*)\]\([^)]*\))"), kBold(R"(\*\*)");
+    const std::string linked = std::regex_replace(markdown, kAnchor, "$1 in docs/reference/compatibility.md");
+    return std::regex_replace(std::regex_replace(linked, kLink, "$1"), kBold, "");
+}
+
 }  // namespace
 
 std::string ParamDoc::TypeText() const { return TypeName(*this, false); }
@@ -34,7 +43,7 @@ std::string ListingOf(const FamilyDoc &family) {
     std::string out;
     for (const FactoryDoc &maker : family.makers) {
         out += fmt::format("{}{}\n", out.empty() ? "" : "\n", maker.name);
-        if (!maker.summary.empty()) out += fmt::format("    {}\n", maker.summary);
+        if (!maker.summary.empty()) out += fmt::format("    {}\n", WithoutMarkup(maker.summary));
         if (maker.params.empty()) out += "    No parameters.\n";
         for (const ParamDoc &p : maker.params) {
             out += fmt::format("    {} {}{}", p.TypeText(), family.isPrefix ? maker.name + '.' : "", p.name);

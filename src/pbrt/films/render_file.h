@@ -54,8 +54,8 @@ struct RenderFileHead {
         const auto isTime = [](double s) { return s >= 0 && std::isfinite(s); };
         if (samplesFlag < 0 || samplesPerBatch < 1 || first < 0 || done < first || passCount < 0 ||
             passCount > std::numeric_limits<int>::max() - done || end < 0 || (end > 0 && (end <= first || end < done)))
-            return "its numbers of samples are not possible";
-        return isTime(seconds) && isTime(renderSeconds) ? std::nullopt : std::optional("its times are not possible");
+            return "its sample counts are invalid";
+        return isTime(seconds) && isTime(renderSeconds) ? std::nullopt : std::optional("its times are invalid");
     }
 };
 

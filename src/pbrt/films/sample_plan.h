@@ -105,7 +105,7 @@ struct SamplePlan {
                       after[i] <= kMaxGrowth * before[i] + kMaxGroup;
             excess += cells.PixelsIn(i) * double(after[i] - end - kMaxGroup);
         }
-        return isValid && excess <= 0 ? std::nullopt : std::optional("its numbers of samples per cell do not fit");
+        return isValid && excess <= 0 ? std::nullopt : std::optional("its sample counts per cell are invalid");
     }
 };
 

@@ -196,7 +196,7 @@ std::optional<std::string> Portal::Validate() const {
         !isNone(Dot(z, x)))
         return "the frame of a portal is not orthonormal";
     if (!(low.x < high.x && low.y < high.y && low.z == high.z) || !std::isfinite(Length(low) + Length(high)))
-        return "a portal is no rectangle";
+        return "a portal is not a rectangle";
     return {};
 }
 

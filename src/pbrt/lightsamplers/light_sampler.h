@@ -155,7 +155,7 @@ class LightDistribution {
 };
 
 /// Selects lights for shadow rays. Contract (tests/contract):
-/// - const after Prepare, except for its learner, if any;
+/// - const after Prepare, except for its online model, if any;
 /// - Sample's probability equals PMF (with a region, that of Towards) exactly;
 /// - probabilities sum to 1 (or less, if Sample may return nothing), and are positive wherever a light contributes;
 /// - a selection takes one random number; selection among regions consumes part of the point's.
@@ -192,8 +192,8 @@ class LightSampler {
     /// True if SaveLearned writes state. Other samplers are rebuilt by Prepare, bit-identically for equal scene,
     /// camera, seed and PrepareContext numbers.
     virtual bool SavesLearned() const { return false; }
-    /// Writes the state of Prepare and the learner, for PrepareContext::learned; the writer may refer to memory of this
-    /// object. `withLearning` false: only the state for selection, not for learning. Not while rays are traced.
+    /// Writes the state of Prepare and the online model, for PrepareContext::learned; the writer may refer to memory of
+    /// this object. `withLearning` false: only the state for selection, not for learning. Not while rays are traced.
     virtual void SaveLearned(StateWriter &, bool /*withLearning*/) const {}
     /// Sizes, seconds, counts: for --stats and image metadata.
     virtual void Report(nlohmann::ordered_json &) const {}

@@ -188,7 +188,7 @@ void AddMerge(CLI::App &app, Action &action) {
                                    "Example: imgtool merge image.exr part-*.chk");
     AddFlags(
         command,
-        {Flag("outfile", o.outfile, "Picture: .exr, .png or .pfm").Required().Type("FILE"),
+        {Flag("outfile", o.outfile, "Result: .exr, .png or .pfm").Required().Type("FILE"),
          Flag("parts", o.paths,
               "Files that pbrt --samples FIRST:END --checkpoint FILE wrote, in any order; together they must "
               "have every sample once")

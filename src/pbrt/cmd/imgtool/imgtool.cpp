@@ -1,7 +1,6 @@
 #include <fmt/ranges.h>
 
 #include <algorithm>
-#include <cctype>
 #include <new>
 
 #include "pbrt/cmd/flags.h"
@@ -15,15 +14,13 @@ namespace {
 using namespace pbrt;
 using namespace pbrt::imgtool;
 
-// Flags may have one or two dashes; case, - and _ in names are ignored (pbrt-v4-format §13).
-std::string NormalizeFlag(const std::string &argument) {
-    size_t begin = argument.find_first_not_of('-');
-    if (begin == 0 || begin > 2 || begin == std::string::npos ||
-        !std::isalpha(static_cast<unsigned char>(argument[begin])))
-        return argument;
-    const size_t equals = std::min(argument.find('='), argument.size());
-    return "--" + FoldFlag(argument.substr(begin, equals - begin)) + argument.substr(equals);
-}
+/// Flags of stock's imgtool without a counterpart.
+const FlagHints kStockFlags = {
+    {"acesfilmic", "this program has another curve, --tonemap"},
+    {"preservecolors", "this program has another curve, --tonemap"},
+    {"despike", "this program limits bright pixels with --clamp"},
+    {"colorspace", "the directive ColorSpace of the scene sets the colour space of an image"},
+    {"difftol", "compare the printed error, or that of --json"}};
 
 std::string OptionNames(const CLI::App &app) {
     std::string names;
@@ -95,9 +92,9 @@ int Run(int argc, char **argv) {
     if (!command && !first.empty() && first[0] != '-')
         throw UserError("No such command: {}; {}", first, ListChoices(first, CommandNames(app)));
     std::vector<std::string> arguments;
-    for (int i = 1; i < argc; ++i) arguments.push_back(NormalizeFlag(argv[i]));
+    for (int i = 1; i < argc; ++i) arguments.push_back(CanonicalFlag(command ? *command : app, argv[i]));
     try {
-        CheckFlags(command ? *command : app, arguments);
+        CheckFlags(command ? *command : app, arguments, kStockFlags);
         std::reverse(arguments.begin(), arguments.end());  // CLI11 expects reverse order
         app.parse(arguments);
     } catch (const CLI::CallForHelp &) {

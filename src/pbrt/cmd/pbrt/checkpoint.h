@@ -71,13 +71,13 @@ class Checkpoint {
             file_->LoadHalf(*built.half);
             batchLeft = settings->from->plan.end - head_.done;
         }
-        const OnlineModel *learner = built.integrator->Model();
-        const int next = learner ? learner->NextUpdate() : 0, ahead = head_.done + head_.passCount;
+        const OnlineModel *model = built.integrator->Model();
+        const int next = model ? model->NextUpdate() : 0, ahead = head_.done + head_.passCount;
         StateReader({}, path_).Require(head_.samplesPerBatch == built.samplesPerPixel && head_.passCount <= batchLeft &&
                                            head_.passCount <= built.integrator->MaxPassSamples() &&
                                            (head_.passCount > 0) == !settings->from->passDone.empty() &&
                                            (next == 0 || next >= ahead),
-                                       "its numbers of samples do not fit the scene");
+                                       "its sample counts do not match the scene");
         if (head_.done > head_.first) settings->secondsPerSample = head_.renderSeconds / (head_.done - head_.first);
         // Earlier runs count towards the budget.
         settings->start -= std::chrono::duration_cast<std::chrono::steady_clock::duration>(

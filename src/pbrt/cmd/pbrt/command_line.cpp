@@ -3,8 +3,6 @@
 #include <fmt/ranges.h>
 #include <CLI/CLI.hpp>
 
-#include <map>
-
 #include "pbrt/cmd/flags.h"
 #include "pbrt/cmd/pbrt/live_view.h"
 #include "pbrt/films/aov_film.h"
@@ -14,22 +12,11 @@ namespace {
 
 bool IsNumber(std::string_view text) { return !text.empty() && text.find_first_not_of("0123456789") == text.npos; }
 
-/// Rewrites flags to the declared spelling. Unknown flags stay unchanged for CheckFlags.
-std::vector<std::string> CanonicalFlags(const CLI::App &app, int argc, const char *const *argv) {
-    std::map<std::string, std::string> canonical;
-    for (const CLI::Option *option : app.get_options())
-        for (const std::string &name : option->get_lnames()) canonical[FoldFlag(name)] = "--" + name;
+/// The arguments with flags in the declared spelling, and the port joined to --serve.
+std::vector<std::string> CanonicalArguments(const CLI::App &app, int argc, const char *const *argv) {
     std::vector<std::string> arguments;
     for (int i = 1; i < argc; ++i) {
-        std::string argument = argv[i];
-        bool isFlag = argument.size() > 1 && argument[0] == '-' &&
-                      (std::isalpha(static_cast<unsigned char>(argument[1])) || argument[1] == '-');
-        if (isFlag) {
-            size_t equals = argument.find('=');
-            auto it = canonical.find(FoldFlag(argument.substr(0, equals)));
-            if (it != canonical.end())
-                argument = it->second + (equals == std::string::npos ? "" : argument.substr(equals));
-        }
+        std::string argument = CanonicalFlag(app, argv[i]);
         // The port is optional, so CLI11 would parse it as a scene name.
         if (argument == "--serve" && i + 1 < argc && IsNumber(argv[i + 1])) argument += std::string("=") + argv[++i];
         arguments.push_back(argument);
@@ -263,7 +250,7 @@ std::optional<int> ParseCommandLine(int argc, const char *const *argv, const Plu
     RawFlags raw;
     AddAllFlags(app, registry, o, raw);
 
-    const std::optional<int> status = ParseFlags(app, CanonicalFlags(app, argc, argv), StockFlags(), [&] {
+    const std::optional<int> status = ParseFlags(app, CanonicalArguments(app, argc, argv), StockFlags(), [&] {
         CheckCombinations(app);
         if (!raw.samples.empty()) o.samples = ParseSamples(raw.samples);
         if (!o.displayServer.empty() && SplitServer(o.displayServer).first.empty())

@@ -4,7 +4,6 @@
 #include <unistd.h>
 
 #include <algorithm>
-#include <array>
 #include <cstdio>
 #include <filesystem>
 
@@ -30,23 +29,8 @@ void PrintWarnings(const DiagnosticSink &sink, size_t *printed) {
         if (all[*printed].severity == Severity::Warning) LogInfo(Format(all[*printed], color));
 }
 
-/// True if the numbers of the scene's pixel sampler depend on --seed.
-bool DependsOnSeed(const BuiltScene &built) {
-    DiagnosticSink ignored;
-    const Entity &sampler = built.integratorRequest.sampler;
-    const auto numbers = [&](int seed) {
-        const SamplerContext context{built.film->FullResolution(), built.samplesPerPixel, seed, ignored};
-        const std::unique_ptr<Sampler> made = Samplers().Make(sampler.type, sampler.params, context);
-        made->StartPixelSample({1, 2}, built.samplesPerPixel - 1);
-        std::array<Float, 32> drawn;
-        for (Float &u : drawn) u = made->Get1D();
-        return drawn;
-    };
-    return numbers(built.seed) != numbers(~built.seed);
-}
-
 /// Throws UserError if parts are to be rendered adaptively, if noise cannot be estimated, or if side images, which stay
-/// in one process's memory, are combined with checkpoints or several ranks. Warns of a seed that changes no sample.
+/// in one process's memory, are combined with checkpoints or several ranks.
 void CheckCombination(const CommandLine &options, const BuiltScene &built, const Team &team) {
     if (options.samples && built.half)
         throw UserError(
@@ -57,8 +41,6 @@ void CheckCombination(const CommandLine &options, const BuiltScene &built, const
         throw UserError(how->loc,
                         "--noise compares two independent halves of the samples; \"none\" makes them depend on each "
                         "other. Valid here: the other values of \"randomization\".");
-    if (options.build.seed && !DependsOnSeed(built))
-        LogWarning("--seed has no effect on the sampler: it has its own \"integer seed\", or nothing in it is random.");
     if (!built.integrator->MakesSideImages()) return;
     if (!options.checkpoint.empty() || team.Size() > 1)
         throw UserError(

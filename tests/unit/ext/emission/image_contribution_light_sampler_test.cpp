@@ -15,7 +15,7 @@ using namespace ext;
 using pbrt::test::BuildText, pbrt::test::Objects, pbrt::test::SceneText;
 
 /// Two rooms with a wall between them that lets no light through. The camera is in the first, which has a weak lamp, a
-/// weaker one behind a screen, whose light comes by way of the walls only, and a mirror; the second room has a strong
+/// weaker one behind a screen that the camera sees by indirect light only, and a mirror. The second room has a strong
 /// lamp.
 std::string Rooms(const std::string &lamps) {
     return SceneText()
@@ -54,9 +54,9 @@ Prepared Prepare(const std::string &text, const ImageContributionParams &params)
     return r;
 }
 
-TEST(ImageContribution, IsWhatPicturesOfSingleLampsHold) {
+TEST(ImageContribution, EqualsTheLightInImagesOfSingleLamps) {
     const Prepared r = Prepare(AllLamps(), {.budget = 1});
-    // Pictures of single lamps, by tiles of the prepass. The lamp itself, seen directly or in the mirror, is left out.
+    // Images of single lamps, by tiles of the prepass. The lamp itself, seen directly or in the mirror, is left out.
     std::vector<std::vector<double>> tiles;
     for (const std::string &lamp : kLamps) {
         BuildOptions options;
@@ -74,36 +74,37 @@ TEST(ImageContribution, IsWhatPicturesOfSingleLampsHold) {
             all += gray[i][t] / double(tileCount);
         }
     ASSERT_GT(all, 0);
-    std::vector<double> expected(kCount), seen;
+    std::vector<double> expected(kCount), measured;
     for (size_t i = 0; i < kCount; ++i) {
         for (size_t t = 0; t < tileCount; ++t) {
             const double relative = brightness[t] / all + 0.1;
             expected[i] += gray[i][t] / (relative * relative);
         }
-        seen.push_back(r.sampler->Contributions()[i].sum);
+        measured.push_back(r.sampler->Contributions()[i].sum);
     }
-    const double s = std::accumulate(seen.begin(), seen.end(), 0.0),
+    const double s = std::accumulate(measured.begin(), measured.end(), 0.0),
                  e = std::accumulate(expected.begin(), expected.end(), 0.0);
-    for (size_t i = 0; i < kCount; ++i) EXPECT_NEAR(seen[i] / s, expected[i] / e, 0.03) << kLamps[i];
-    EXPECT_EQ(seen[3], 0) << "behind the wall";
-    EXPECT_GT(seen[2], 0) << "by way of the walls";
+    for (size_t i = 0; i < kCount; ++i) EXPECT_NEAR(measured[i] / s, expected[i] / e, 0.03) << kLamps[i];
+    EXPECT_EQ(measured[3], 0) << "behind the wall";
+    EXPECT_GT(measured[2], 0) << "by way of the walls";
 }
 
-TEST(ImageContributionLightSampler, ChoosesByTheRootOfSeenLightAndPower) {
+TEST(ImageContributionLightSampler, ChoosesByTheRootOfContributionAndPower) {
     const Prepared r = Prepare(AllLamps(), {.floor = Float(0.2), .budget = Float(0.1)});
     const auto &groups = r.sampler->Groups();
-    double power = 0, found = 0, samples = 0, once = 0;
+    double power = 0, contribution = 0, samples = 0, once = 0;
     std::vector<double> roots;
     for (uint32_t g = 0; g < kCount; ++g) {
         power += double(groups.Candidate(g).power);
-        found += r.sampler->Contributions()[g].sum;
+        contribution += r.sampler->Contributions()[g].sum;
         samples += r.sampler->Contributions()[g].count;
         once += r.sampler->Contributions()[g].count == 1;
     }
     const double missed = once / samples;
     for (uint32_t g = 0; g < kCount; ++g) {
         const double share = double(groups.Candidate(g).power) / power;
-        roots.push_back(std::sqrt(share * ((1 - missed) * r.sampler->Contributions()[g].sum / found + missed * share)));
+        roots.push_back(
+            std::sqrt(share * ((1 - missed) * r.sampler->Contributions()[g].sum / contribution + missed * share)));
     }
     const double sum = std::accumulate(roots.begin(), roots.end(), 0.0);
     for (uint32_t g = 0; g < kCount; ++g) {
@@ -134,12 +135,12 @@ TEST(ImageContributionLightSampler, CanBePreparedTwice) {
         return report;
     };
     const nlohmann::ordered_json once = reported();
-    EXPECT_GT(once.at("groupsSeen").get<int>(), 0);
+    EXPECT_GT(once.at("contributingGroups").get<int>(), 0);
     test::PrepareIn(r.built, *r.sampler);
     EXPECT_EQ(reported(), once);
 }
 
-TEST(ImageContributionLightSampler, ChoosesByPowerIfNothingIsSeen) {
+TEST(ImageContributionLightSampler, ChoosesByPowerWithoutContributions) {
     const Prepared r = Prepare(Rooms(kLamps[3] + kLamps[3]), {});
     EXPECT_EQ(r.sampler->PMF({}, LightId(0u)), 0.5f);
     EXPECT_EQ(r.sampler->Contributions()[0].count + r.sampler->Contributions()[1].count, 0);

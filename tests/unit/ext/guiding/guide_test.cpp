@@ -385,7 +385,7 @@ TEST(PathGuide, ASavedStateIsLoadedBitByBitAndADamagedOneThrows) {
         guide.SaveLearned(writer, true);
         return writer.Joined();
     };
-    const Learned lobe(Lobe, false), gaveUp(Even, false, false, Directions(true));
+    const Learned lobe(Lobe, false), withoutDirections(Even, false, false, Directions(true));
     const auto check = [&](const PathGuide &guide, const GuideParams &params, bool learns) {
         const std::string state = bytesOf(guide);
         PathGuide other(params);
@@ -393,12 +393,12 @@ TEST(PathGuide, ASavedStateIsLoadedBitByBitAndADamagedOneThrows) {
         EXPECT_EQ(bytesOf(other), state);
         EXPECT_EQ(other.EstimatesDirections(), learns);
         for (const std::string &damaged : Damaged(state)) {
-            PathGuide refusing(params);
-            EXPECT_THROW(load(damaged, refusing), UserError);
+            PathGuide rejecting(params);
+            EXPECT_THROW(load(damaged, rejecting), UserError);
         }
     };
     check(lobe.guide, Directions(), true);
-    check(gaveUp.guide, Directions(true), false);
+    check(withoutDirections.guide, Directions(true), false);
 }
 
 TEST(PathGuide, WhatItLearnedIsOfUseToOtherRenders) {
@@ -431,8 +431,8 @@ TEST(PathGuide, WhatItLearnedIsOfUseToOtherRenders) {
     EXPECT_EQ(elsewhere.PixelImportance({0, 0}), elsewhere.PixelImportance({190, 120}));
 
     for (const std::string &damaged : {bytes.substr(0, bytes.size() - 1), bytes.substr(0, 20)}) {
-        PathGuide refusing(params);
-        EXPECT_THROW(load(refusing, damaged), UserError);
+        PathGuide rejecting(params);
+        EXPECT_THROW(load(rejecting, damaged), UserError);
     }
     params.share = 0.5f;
     PathGuide different(params);

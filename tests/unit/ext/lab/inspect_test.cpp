@@ -40,9 +40,9 @@ std::string InspectedScene() {
 }
 
 /// A uniform sampler whose inspected values are the position of the query.
-class Telltale final : public test::WrappedSampler {
+class PlaceSampler final : public test::WrappedSampler {
   public:
-    explicit Telltale(const LightTable &lights) : WrappedSampler(uniform_), uniform_(lights.ByComponent()) {}
+    explicit PlaceSampler(const LightTable &lights) : WrappedSampler(uniform_), uniform_(lights.ByComponent()) {}
     void Inspect(const LightQuery &q, std::vector<InspectedValue> &values) const override {
         values.push_back({"x place", double(q.p.x), false});
         values.push_back({"cell", q.p.y > 0 ? 7.0 : 3.0, true});
@@ -64,7 +64,7 @@ class Inspect : public test::FolderTest {
   protected:
     Inspect() {
         built_ = test::BuildText(InspectedScene());
-        sampler_ = std::make_unique<Telltale>(built_.scene->Lights());
+        sampler_ = std::make_unique<PlaceSampler>(built_.scene->Lights());
     }
     Inspection MakeInspection(InspectSettings settings = {}) {
         settings.samples = 4;
@@ -77,7 +77,7 @@ class Inspect : public test::FolderTest {
         return double(inspection.image.Get({x, y}, channel));
     }
     BuiltScene built_;
-    std::unique_ptr<Telltale> sampler_;
+    std::unique_ptr<PlaceSampler> sampler_;
 };
 
 TEST_F(Inspect, HasLayersOfTheGuideAndOfPathLengths) {

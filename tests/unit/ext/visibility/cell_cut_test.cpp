@@ -19,13 +19,13 @@ LightTree Clouds() {
     return LightTree(emitters);
 }
 
-/// `each` shadow rays to every lamp, by position in the tree. `found(lamp)` is the contribution found over the
-/// unoccluded one; if it is negative, the lamp is not tried.
-template <class Found>
-std::vector<ShadowRaySums> Tries(const LightTree &tree, int each, Found &&found) {
+/// `each` shadow rays to every lamp, by position in the tree. `contribution(lamp)` is the contribution over the
+/// unoccluded one; if it is negative, the lamp is not tested.
+template <class Contribution>
+std::vector<ShadowRaySums> ShadowRays(const LightTree &tree, int each, Contribution &&contribution) {
     std::vector<ShadowRaySums> sums;
     for (uint32_t position = 0; position < tree.LightCount(); ++position) {
-        const double r = found(tree.LightAt(position)), n = each;
+        const double r = contribution(tree.LightAt(position)), n = each;
         if (r >= 0) sums.push_back({position, n * r * r / 8, n / 8, n / 64});
     }
     return sums;
@@ -51,7 +51,7 @@ TEST(CellCut, WithoutShadowRaysAllLightsAreAlike) {
 TEST(CellCut, NeighboursLearnFromEachOther) {
     // A third of the lamps was tried: those of cloud 2 are seen, the others are not.
     const LightTree tree = Clouds();
-    const CellCut cut = Cut(tree, Tries(tree, 20, [](uint32_t lamp) {
+    const CellCut cut = Cut(tree, ShadowRays(tree, 20, [](uint32_t lamp) {
                                 return lamp % 3 ? -1.0 : lamp / 16 == 2 ? 1.0 : 0.0;
                             }));
     for (uint32_t lamp = 0; lamp < 64; ++lamp) {
@@ -63,8 +63,9 @@ TEST(CellCut, NeighboursLearnFromEachOther) {
 TEST(CellCut, ManyShadowRaysOutweighTheNeighbours) {
     // Of cloud 0 only lamp 5 is seen; of cloud 1 all but lamp 20.
     const LightTree tree = Clouds();
-    const CellCut cut = Cut(
-        tree, Tries(tree, 500, [](uint32_t lamp) { return lamp == 5 || (lamp / 16 == 1 && lamp != 20) ? 1.0 : 0.0; }));
+    const CellCut cut = Cut(tree, ShadowRays(tree, 500, [](uint32_t lamp) {
+                                return lamp == 5 || (lamp / 16 == 1 && lamp != 20) ? 1.0 : 0.0;
+                            }));
     EXPECT_NEAR(FactorOf(tree, cut, 5), 1, 0.05);
     EXPECT_LT(FactorOf(tree, cut, 6), 0.1);
     EXPECT_NEAR(FactorOf(tree, cut, 21), 1, 0.05);
@@ -73,16 +74,16 @@ TEST(CellCut, ManyShadowRaysOutweighTheNeighbours) {
 
 TEST(CellCut, UntestedLightsTakeTheFactorsOfTheParentCell) {
     const LightTree tree = Clouds();
-    const CellCut above = Cut(tree, Tries(tree, 500, [](uint32_t lamp) { return lamp % 2 ? 1.0 : 0.05; }));
+    const CellCut above = Cut(tree, ShadowRays(tree, 500, [](uint32_t lamp) { return lamp % 2 ? 1.0 : 0.05; }));
     // A cell without shadow rays takes the factors of the cell above. Some lamps of cloud 3 are found half as bright as
     // there: all of its lamps become half as bright, in the same proportions.
     const CellCut same = Cut(tree, {}, &above);
     const CellCut dimmer =
         Cut(tree,
-            Tries(tree, 500,
-                  [](uint32_t lamp) {
-                      return lamp / 16 < 3 ? -1.0 : lamp % 4 == 3 ? 0.5 : lamp % 4 == 2 ? 0.025 : -1.0;
-                  }),
+            ShadowRays(tree, 500,
+                       [](uint32_t lamp) {
+                           return lamp / 16 < 3 ? -1.0 : lamp % 4 == 3 ? 0.5 : lamp % 4 == 2 ? 0.025 : -1.0;
+                       }),
             &above);
     for (uint32_t lamp = 0; lamp < 64; ++lamp) {
         EXPECT_NEAR(FactorOf(tree, same, lamp) / FactorOf(tree, above, lamp), 1, 0.01) << lamp;
@@ -95,7 +96,7 @@ TEST(CellCut, SpendsItsNodesWhereTheLightIs) {
     // Only cloud 1 lights the cell, and each of its lamps has a different visibility.
     const LightTree tree = Clouds();
     const std::vector<ShadowRaySums> sums =
-        Tries(tree, 100, [](uint32_t lamp) { return lamp / 16 == 1 ? 0.2 + 0.1 * (lamp % 16) : 0.0; });
+        ShadowRays(tree, 100, [](uint32_t lamp) { return lamp / 16 == 1 ? 0.2 + 0.1 * (lamp % 16) : 0.0; });
     const CellCut cut = Cut(tree, sums, nullptr, 20);
     EXPECT_LE(cut.Nodes().size(), 20u);
     for (uint32_t lamp = 0; lamp < 64; ++lamp) {
@@ -108,7 +109,7 @@ TEST(CellCut, SpendsItsNodesWhereTheLightIs) {
 TEST(CellCut, FewerNodesAreJoinsOfMore) {
     const LightTree tree = Clouds();
     Rng rng(3);
-    const std::vector<ShadowRaySums> sums = Tries(tree, 40, [&](uint32_t) { return double(rng.Uniform()); });
+    const std::vector<ShadowRaySums> sums = ShadowRays(tree, 40, [&](uint32_t) { return double(rng.Uniform()); });
     CellCut finer = Cut(tree, sums, nullptr, 64);
     EXPECT_EQ(finer.Nodes().size(), 64u);
     for (size_t nodes : {33u, 12u, 5u, 1u}) {

@@ -7,11 +7,11 @@ namespace pbrt::test {
 namespace {
 
 /// Nested shapes of every kind, some of them half transparent, once in the scene and more often in instances.
-struct TellingScene {
+struct NestedShapes {
     Shapes shapes = EveryKind(Transform());
     const ConstantAlpha half{.5f};
     Accel accel;
-    TellingScene() {
+    NestedShapes() {
         std::vector<const FloatTexture *> alphas;
         for (uint32_t i = 0; i < shapes.size(); ++i) {
             alphas.push_back(i % 3 == 1 ? &half : nullptr);
@@ -27,7 +27,7 @@ struct TellingScene {
 };
 
 TEST(PassedHits, ShadowRaysListTheHitsOfSuccessiveClosestHits) {
-    const TellingScene scene;
+    const NestedShapes scene;
     Rng rng(9);
     const Bounds3 b = scene.accel.Bounds();
     int listed = 0, overflows = 0, different = 0;

@@ -103,5 +103,11 @@ TEST(FactoryTable, ListsAndTablesNameEverything) {
     EXPECT_EQ(TableRowsOf(doc), "| `Number \"one\"` | | |\n| `Number \"twice\"` | `i n` | an even number |\n");
 }
 
+TEST(FactoryTable, ListingsHaveNoMarkup) {
+    const FamilyDoc doc{"numbers", "Number", false, {{"one", "**differs**: [x](#y); see [page.md](../page.md)", {}}}};
+    test::ExpectWords(ListingOf(doc), {"    differs: x in docs/", "; see page.md\n"});
+    test::ExpectWords(TableRowsOf(doc), {"**differs**: [x](#y)"});
+}
+
 }  // namespace
 }  // namespace pbrt

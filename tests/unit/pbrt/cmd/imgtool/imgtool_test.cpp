@@ -28,6 +28,7 @@ TEST_F(Imgtool, HelpExplainsTheCommandsAndOptionsOfTheDocument) {
     const std::string overview = Run("help").out;
     EXPECT_EQ(Run("--help").out, overview);
     EXPECT_EQ(Run("diff --help").out, Run("help diff").out);
+    EXPECT_EQ(Run("diff -h").out, Run("help diff").out);
     for (const auto &[command, known] : documented) {
         const Outcome o = Run("help " + command);
         EXPECT_EQ(o.status, 0) << command;
@@ -49,7 +50,9 @@ TEST_F(Imgtool, UsageErrorsListTheChoices) {
          {"help frobnicate", "falsecolor"},
          {"convert a.exr --outfile b.exr --sharpen", "unknown flag --sharpen\n"},
          {"convert --exposre 2 --outfile v.png v.exr", "Error: unknown flag --exposre; did you mean --exposure?\n"},
-         {"diff a.exr -metrc MSE", "unknown flag --metrc; did you mean --metric?"},
+         {"diff a.exr -metrc MSE", "unknown flag -metrc; did you mean --metric?"},
+         {"convert a.exr --Despik 9 --outfile b.exr", "unknown flag --Despik"},
+         {"convert a.exr --aces-filmic --outfile b.exr", "Error: --aces-filmic: "},
          {"diff a.exr --reference b.exr --crop 1,2 c.exr", "--crop takes 4 numbers, x0,x1,y0,y1: \"c.exr\" is not a"},
          {"--versoin", "unknown flag --versoin; did you mean --version?"},
          {"convert a.exr --outfile b.exr --sharpen", "--tonemap"},

@@ -65,17 +65,6 @@ TEST_F(Flags, FlagsWithoutEffectAreErrors) {
     RunWell("--resume=false --spp 1 --outfile out.exr scene.pbrt");
 }
 
-TEST_F(Flags, SeedsWithoutEffectAreWarnings) {
-    Write("seeded.pbrt",
-          Replaced(SmallScene(), "\"integer pixelsamples\"", "\"integer seed\" 3 \"integer pixelsamples\""));
-    Write("fixed.pbrt", Replaced(SmallScene(), "\"zsobol\"", "\"halton\" \"string randomization\" \"none\""));
-    for (const auto &[scene, warns] : {std::pair("seeded", true), {"fixed", true}, {"scene", false}}) {
-        const Outcome o = Run(fmt::format("--seed 1 --spp 1 --outfile out.exr {}.pbrt", scene));
-        EXPECT_EQ(o.status, 0);
-        EXPECT_EQ(Has(o.err, "--seed has no effect"), warns) << scene;
-    }
-}
-
 TEST_F(Flags, NumbersWithLeadingZerosAreDecimal) {
     RunWell("--spp 010 --seed -011 --pixel 07,010 --outfile out.exr scene.pbrt");
     const ImageFile file = ReadImage(Path("out.exr"));

@@ -1,6 +1,5 @@
 #include "pbrt/shapes/bilinear_mesh.h"
 
-#include <algorithm>
 #include <array>
 
 #include "pbrt/math/frame.h"
@@ -267,18 +266,7 @@ SurfacePoint BilinearMesh::Surface(uint32_t primitive, const PrimitiveHit &hit) 
     return s;
 }
 
-bool BilinearMesh::Corners::FoldsFlat() const {
-    Vector3 normals[4], longest(0);
-    for (int i = 0; i < 4; ++i) {
-        normals[i] = Cross(DpDu(Float(i >> 1)), DpDv(Float(i & 1)));
-        if (LengthSquared(normals[i]) > LengthSquared(longest)) longest = normals[i];
-    }
-    for (const Vector3 &diagonal : {p11 - p00, p10 - p01})
-        if (AbsDot(diagonal, longest) > Float(1e-5) * Length(diagonal) * Length(longest)) return false;
-    return std::ranges::any_of(normals, [&](const Vector3 &n) { return Dot(n, longest) < 0; });
-}
-
-void BilinearMesh::Corners::ForEachLayer(const Point3 &p, const Normal3 &n, auto &&visit) const {
+Point2 BilinearMesh::Parameters(const Corners &c, const Point3 &p, const Normal3 &n) const {
     // Solved in the coordinate plane that the patch faces most: p = p00 + u E + v F + uv G without u is quadratic.
     using D2 = glm::dvec2;
     Vector3 an = Abs(n);
@@ -286,33 +274,36 @@ void BilinearMesh::Corners::ForEachLayer(const Point3 &p, const Normal3 &n, auto
     int ix = drop == 0 ? 1 : 0, iy = drop == 2 ? 1 : 2;
     auto flat = [&](const Vector3 &v) { return D2(v[ix], v[iy]); };
     auto cross = [](const D2 &a, const D2 &b) { return a.x * b.y - a.y * b.x; };
-    D2 o = flat(p00), e = flat(p10) - o, f = flat(p01) - o, g = flat(p11) - flat(p01) - e, h = flat(p) - o;
+    D2 o = flat(c.p00), e = flat(c.p10) - o, f = flat(c.p01) - o, g = flat(c.p11) - flat(c.p01) - e, h = flat(p) - o;
     std::array<double, 2> roots{};
     int count = SolveQuadratic(cross(h, e), cross(e, f) + cross(h, g), cross(g, f), roots);
+    Point2 best(Float(0.5));
+    double bestError = std::numeric_limits<double>::infinity();
     for (int i = 0; i < count; ++i) {
         double v = std::clamp(roots[i], 0.0, 1.0);
         D2 along = e + v * g, rest = h - v * f;
         double u = std::abs(along.x) > std::abs(along.y) ? rest.x / along.x : rest.y / along.y;
         if (!std::isfinite(u)) continue;
         Point2 uv(Float(std::clamp(u, 0.0, 1.0)), static_cast<Float>(v));
-        visit(uv, DistanceSquared(At(uv), p));
+        double error = double(DistanceSquared(c.At(uv), p));
+        if (error < bestError) {
+            bestError = error;
+            best = uv;
+        }
     }
+    return best;
 }
 
 Float BilinearMesh::PdfArea(uint32_t primitive, const Corners &c, const Point2 &uv) const {
-    Float w[4];
-    c.AreaWeights(w);
-    const auto onLayer = [&](const Point2 &at) {
-        const Float density = emission_ ? emission_->Pdf(at) : IsRectangle(primitive) ? 1 : BilinearPdf(at, w);
-        return density / CrossLength(c.DpDu(at.y), c.DpDv(at.x));
-    };
-    if (IsRectangle(primitive) || !c.FoldsFlat()) return onLayer(uv);
-    const Float tolerance = Float(1e-10) * std::max(DistanceSquared(c.p00, c.p11), DistanceSquared(c.p10, c.p01));
-    Float sum = 0;
-    c.ForEachLayer(c.At(uv), RobustUnitCross(c.DpDu(uv.y), c.DpDv(uv.x)), [&](const Point2 &at, Float distanceSquared) {
-        if (distanceSquared <= tolerance) sum += onLayer(at);
-    });
-    return sum;
+    Float density = 1;
+    if (emission_) {
+        density = emission_->Pdf(uv);
+    } else if (!IsRectangle(primitive)) {
+        Float w[4];
+        c.AreaWeights(w);
+        density = BilinearPdf(uv, w);
+    }
+    return density / CrossLength(c.DpDu(uv.y), c.DpDv(uv.x));
 }
 
 ShapeSample BilinearMesh::SampleAt(uint32_t primitive, const Corners &c, const Point2 &uv) const {
@@ -337,18 +328,13 @@ std::optional<ShapeSample> BilinearMesh::SampleArea(uint32_t primitive, const Po
     }
     ShapeSample s = SampleAt(primitive, c, uv);
     s.pdf = PdfArea(primitive, c, uv);
-    if (!(s.pdf > 0 && std::isfinite(s.pdf))) return {};
+    if (!std::isfinite(s.pdf)) return {};
     return s;
 }
 
 Float BilinearMesh::PdfArea(uint32_t primitive, const Point3 &p, const Normal3 &n) const {
     const Corners c = CornersOf(primitive);
-    Point2 best(Float(0.5));
-    Float bestDistance = Infinity;
-    c.ForEachLayer(p, n, [&](const Point2 &uv, Float distanceSquared) {
-        if (distanceSquared < bestDistance) best = uv, bestDistance = distanceSquared;
-    });
-    const Float pdf = PdfArea(primitive, c, best);
+    const Float pdf = PdfArea(primitive, c, Parameters(c, p, n));
     return std::isfinite(pdf) ? pdf : 0;
 }
 

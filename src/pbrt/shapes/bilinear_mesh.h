@@ -43,18 +43,15 @@ class BilinearMesh final : public Mesh {
         Vector3 Error(const Point2 &uv, const Point3 &p, const Normal3 &n) const;  ///< of p = At(uv)
         /// Lengths of the unnormalised normal at the corners: weights of the bilinear warp in SampleArea.
         void AreaWeights(Float w[4]) const;
-        /// True for flat patches that fold over themselves.
-        bool FoldsFlat() const;
-        /// Calls visit(uv, squared distance) with the nearest parameters of p, on each of up to two layers.
-        void ForEachLayer(const Point3 &p, const Normal3 &n, auto &&visit) const;
     };
     struct PatchHit;
     Corners CornersOf(uint32_t primitive) const;
     template <class T>
     T AtCorners(const std::vector<T> &values, uint32_t primitive, const Point2 &uv) const;
+    Point2 Parameters(const Corners &c, const Point3 &p, const Normal3 &n) const;
     Normal3 OrientedNormal(uint32_t primitive, const Corners &c, const Point2 &uv) const;
     ShapeSample SampleAt(uint32_t primitive, const Corners &c, const Point2 &uv) const;
-    /// Density of SampleArea at (u, v), by area; on both layers where a flat patch folds.
+    /// Density of SampleArea at (u, v), by area.
     Float PdfArea(uint32_t primitive, const Corners &c, const Point2 &uv) const;
 
     std::vector<uint8_t> isRectangle_;

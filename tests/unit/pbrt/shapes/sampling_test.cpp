@@ -271,24 +271,5 @@ TEST_P(ShapeArea, AreaSamplesLieOnTheSurface) {
     }
 }
 
-/// Rays see a flat patch that folds over itself once, so samples of both layers have the density of both.
-TEST(BilinearMesh, FoldedFlatPatchCountsOnce) {
-    const BilinearMesh patch(OnePrimitive({{0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {0.2f, 0.2f, 0}}), Transform(), false);
-    constexpr int kGrid = 100;
-    double seen = 0, sampled = 0;
-    for (int i = 0; i < kGrid * kGrid; ++i) {
-        const Point2 at((Float(i % kGrid) + 0.5f) / kGrid, (Float(i / kGrid) + 0.5f) / kGrid);
-        seen += patch.Intersect(0, {{at.x, at.y, 1}, {0, 0, -1}}, 0).has_value();
-        if (const auto s = patch.SampleArea(0, at)) {
-            sampled += 1 / double(s->pdf);
-            // At the fold itself the density is infinite.
-            if (s->pdf < 20) {
-                EXPECT_NEAR(patch.PdfArea(0, s->p, s->n), s->pdf, 0.01f * s->pdf);
-            }
-        }
-    }
-    EXPECT_NEAR(sampled, seen, 0.01 * seen);
-}
-
 }  // namespace
 }  // namespace pbrt::test

@@ -1,5 +1,6 @@
 #pragma once
 #include "pbrt/integrators/pixel_integrator.h"
+#include "pbrt/lights/environment_light.h"
 #include "pbrt/transport/direct_light.h"
 #include "pbrt/transport/medium_track.h"
 #include "pbrt/transport/path_walk.h"

@@ -35,7 +35,9 @@ void PathIntegrator::Prepare(PrepareContext &prepare) {
     };
     lights_->Prepare(prepare);
     prepare.tracePath = {};
-    if (!lights_->ChoosesRegions()) setup_.environment = context_.scene.Lights().FirstEnvironmentTable();
+    const LightTable &table = context_.scene.Lights();
+    if (!lights_->ChoosesRegions() && !table.Environments().empty())
+        setup_.environment = table[table.Environments()[0]].Parent().AsEnvironment()->Table();
     if (directions_) directions_->Prepare(prepare, settings_.maxDepth);
 }
 

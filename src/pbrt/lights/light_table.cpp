@@ -43,10 +43,8 @@ void LightTable::Finish(const Point3 &sceneCenter, Float sceneRadius, const Boun
     for (uint32_t i = 0; i < Size(); ++i)
         power_[i] = Float(power[i] > 0 ? std::max(power[i], kMinShare * maxPower) / unit_ : 0);
     for (LightId id : infinite_)
-        if (const EnvironmentLight *light = (*this)[id].Parent().AsEnvironment(); light && !light->Opening()) {
+        if (const EnvironmentLight *light = (*this)[id].Parent().AsEnvironment(); light && !light->Opening())
             environments_.push_back(id);
-            if (!environmentTable_) environmentTable_ = light->Table();
-        }
     byComponent_ = std::make_unique<LightGroups>(*this, false);
     byLight_ = std::make_unique<LightGroups>(*this, true);
 }

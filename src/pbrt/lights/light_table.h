@@ -6,7 +6,7 @@
 
 #include "pbrt/core/error.h"
 #include "pbrt/core/ids.h"
-#include "pbrt/lights/environment_light.h"
+#include "pbrt/lights/light.h"
 #include "pbrt/lights/light_bounds.h"
 #include "pbrt/math/rng.h"
 
@@ -114,9 +114,6 @@ class LightTable {
     /// Environment lights without Opening, in file order.
     std::span<const LightId> Environments() const { return environments_; }
 
-    /// Table of the first environment light that samples one; null if none does. Only after Finish.
-    const EnvironmentTable *FirstEnvironmentTable() const { return environmentTable_; }
-
     /// For a ray from o in direction d that leaves the scene: calls visit(radiance, id) for every infinite light with
     /// nonzero radiance, with the id of the whole light.
     void ForEachInfiniteEmission(const Point3 &o, const Vector3 &d, const SampledWavelengths &lambda,
@@ -161,7 +158,6 @@ class LightTable {
     double unit_ = 1;
     std::vector<LightId> infinite_;  ///< first components of infinite lights
     std::vector<LightId> environments_;
-    const EnvironmentTable *environmentTable_ = nullptr;  ///< owned by its light
     std::unique_ptr<LightGroups> byComponent_, byLight_;
     Bounds3 receivers_;
 };

@@ -3,7 +3,6 @@
 // address cache. Replaces the global operator new; what it returns can be freed by any operator delete of libstdc++.
 #include <sys/mman.h>
 
-#include <cstdint>
 #include <cstdlib>
 #include <new>
 

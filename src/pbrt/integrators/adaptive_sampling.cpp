@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <functional>
 
 #include "pbrt/core/parallel.h"
 #include "pbrt/images/metrics.h"

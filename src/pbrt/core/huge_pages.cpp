@@ -3,6 +3,7 @@
 // address cache. Replaces the global operator new; what it returns can be freed by any operator delete of libstdc++.
 #include <sys/mman.h>
 
+#include <cstdint>
 #include <cstdlib>
 #include <new>
 

@@ -46,11 +46,9 @@ class PiecewiseConstantRows {
     const uint32_t *CutsAround(size_t row, Float u) const {
         return &cuts_[row * (cutCount_ + 1)] + std::min(size_t(u * Float(cutCount_)), cutCount_ - 1);
     }
-    /// Prefetches the middle of the pieces of a row between two cuts, where Sample begins its search.
+    /// Prefetches both ends of the run of pieces between two cuts.
     void PrefetchPieces(size_t row, const uint32_t *cuts) const {
-        const Piece *const middle = &At(row, (cuts[0] + cuts[1] + 1) / 2);
-        __builtin_prefetch(middle);
-        __builtin_prefetch(reinterpret_cast<const char *>(middle) + 64);
+        for (const size_t piece : {cuts[0], cuts[1] + 1}) __builtin_prefetch(&At(row, piece));
     }
 
   private:

@@ -35,9 +35,9 @@ void PathIntegrator::Prepare(PrepareContext &prepare) {
     };
     lights_->Prepare(prepare);
     prepare.tracePath = {};
-    const LightTable &table = context_.scene.Lights();
-    if (!lights_->ChoosesRegions() && !table.Environments().empty())
-        setup_.environment = table[table.Environments()[0]].Parent().AsEnvironment()->Table();
+    const std::span<const LightId> environments = context_.scene.Lights().Environments();
+    if (!lights_->ChoosesRegions() && !environments.empty())
+        setup_.environment = context_.scene.Lights()[environments[0]].Parent().AsEnvironment()->Table();
     if (directions_) directions_->Prepare(prepare, settings_.maxDepth);
 }
 

@@ -46,9 +46,11 @@ class PiecewiseConstantRows {
     const uint32_t *CutsAround(size_t row, Float u) const {
         return &cuts_[row * (cutCount_ + 1)] + std::min(size_t(u * Float(cutCount_)), cutCount_ - 1);
     }
-    /// Prefetches both ends of the run of pieces between two cuts.
+    /// Prefetches the middle of the pieces between two cuts of a row, where Sample begins its search.
     void PrefetchPieces(size_t row, const uint32_t *cuts) const {
-        for (const size_t piece : {cuts[0], cuts[1] + 1}) __builtin_prefetch(&At(row, piece));
+        const Piece *const middle = &At(row, (cuts[0] + cuts[1] + 1) / 2);
+        __builtin_prefetch(middle);
+        __builtin_prefetch(middle + kPiecesPerCut);
     }
 
   private:

@@ -1,7 +1,6 @@
 #include <array>
 #include <filesystem>
 #include <fstream>
-#include <iostream>  // required by NanoVDB
 
 #include "pbrt/core/error.h"
 #include "pbrt/core/memory.h"

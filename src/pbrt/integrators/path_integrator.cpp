@@ -35,9 +35,8 @@ void PathIntegrator::Prepare(PrepareContext &prepare) {
     };
     lights_->Prepare(prepare);
     prepare.tracePath = {};
-    const std::span<const LightId> environments = context_.scene.Lights().Environments();
-    if (!lights_->ChoosesRegions() && !environments.empty())
-        setup_.environment = context_.scene.Lights()[environments[0]].Parent().AsEnvironment()->Table();
+    if (const auto ids = context_.scene.Lights().Environments(); !lights_->ChoosesRegions() && !ids.empty())
+        setup_.environment = context_.scene.Lights()[ids[0]].Parent().AsEnvironment()->Table();
     if (directions_) directions_->Prepare(prepare, settings_.maxDepth);
 }
 

@@ -1,6 +1,7 @@
 #include <array>
 #include <filesystem>
 #include <fstream>
+#include <iostream>  // required by NanoVDB
 
 #include "pbrt/core/error.h"
 #include "pbrt/core/memory.h"

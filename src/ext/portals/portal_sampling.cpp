@@ -12,7 +12,6 @@
 #include "pbrt/core/progress.h"
 #include "pbrt/lightsamplers/weighted_choice.h"
 #include "pbrt/math/rng.h"
-#include "pbrt/math/warps.h"
 
 namespace ext {
 namespace {
@@ -56,16 +55,8 @@ Float MeanCosine(const Portal &portal, const LightQuery &query) {
     return c >= s ? c : Sqr(std::max(c + s, Float(0))) / (4 * s);
 }
 
-/// Evenly over the directions of positive radiance, without L and pdf; empty in the others.
-std::optional<LightLiSample> SampleEvenly(const EnvironmentLight &light, const Point3 &p, const Point2 &u) {
-    const Vector3 wi = SampleUniformSphere(u);
-    if (!(light.MeanRadiance(wi) > 0)) return {};
-    return LightLiSample{.L = {}, .wi = wi, .pLight = light.PointOutside(p, wi)};
-}
-
 /// Traces about `minRays` rays, or more, towards each environment light from `count` of the vertices (at most all),
-/// spread over the image. Half of the directions are drawn in proportion to the radiance, half evenly, as most of it
-/// may be a sun behind the house; then in proportion to the cosine. Depends on the seed only.
+/// spread over the image. Directions are proportional to radiance times cosine. Depends on the seed only.
 std::vector<EnvironmentRay> TraceEnvironmentRays(PrepareContext &context, std::span<const LightId> lights,
                                                  std::span<const PrepassVertex> vertices, size_t count,
                                                  size_t minRays) {
@@ -87,10 +78,8 @@ std::vector<EnvironmentRay> TraceEnvironmentRays(PrepareContext &context, std::s
                 point = glm::fract(point + glm::dvec2(0.7548776662466927, 0.5698402909980532));
                 const Point2 u = glm::min(Point2(point), Point2(OneMinusEpsilon));
                 const Float chance = rng.Uniform();
-                const LightComponent from = context.scene.Lights()[light];
                 const std::optional<LightLiSample> s =
-                    k % 2 == 0 ? from.SampleLi(at, u, SampledWavelengths::WholeRange(), false)
-                               : SampleEvenly(*from.Parent().AsEnvironment(), at.p, u);
+                    context.scene.Lights()[light].SampleLi(at, u, SampledWavelengths::WholeRange(), false);
                 if (!s) continue;
                 Float cosine = Dot(s->wi, at.ns) * (Dot(vertex.wo, at.ns) < 0 ? Float(-1) : Float(1));
                 if (vertex.transmits) cosine = std::abs(cosine);

@@ -123,9 +123,7 @@ struct IntegratorFlag {
 
 void CheckFlags(const BuildOptions &o, const std::string &integrator, DiagnosticSink &sink) {
     using Traits = IntegratorTraits;
-    const IntegratorFlag flags[] = {{o.lightSamplerFlag, !o.lightSampler.empty(), &Traits::hasLightSampler},
-                                    {"--mesh-lights", o.meshLights, &Traits::hasLightSampler},
-                                    {"--shooting-sampler", !o.shootingSampler.empty(), &Traits::hasEmissionSampler},
+    const IntegratorFlag flags[] = {{"--shooting-sampler", !o.shootingSampler.empty(), &Traits::hasEmissionSampler},
                                     {"--guide", o.guide, &Traits::isGuided},
                                     {"--adaptive or --noise", o.adaptive && !o.uniform, &Traits::isAdaptive},
                                     {"--maxdepth", o.maxDepth.has_value(), &Traits::hasDepth},
@@ -238,7 +236,11 @@ IntegratorSettings ReadIntegrator(const Entity &entity, const BuildOptions &opti
         CheckFlags(options, type, sink);
         ParamReader before(params);
         if (traits.hasLightSampler || traits.hasEmissionSampler) DeclareLightParams(before, registry, traits.isGuided);
-        Collect(sink, [&] { settings = entry.make(params, IntegratorReading{options, registry, sink, before}); });
+        Collect(sink, [&] {
+            settings = entry.make(params, IntegratorReading{options, registry, sink, before});
+            if (!traits.hasLightSampler && (!options.lightSampler.empty() || options.meshLights))
+                sink.Warning({}, "--lightsampler and --mesh-lights have no effect on integrator \"{}\".", type);
+        });
         if (settings.lights && settings.lights->guide) {
             const IntegratorFlag guide{"\"+guide\"", true, &IntegratorTraits::isGuided, settings.lights->guide->Loc()};
             guide.Check(type, sink);

@@ -68,7 +68,6 @@ void CheckCombinations(const CLI::App &app) {
                      {"--samples", Excludes, "--time", "parts have the samples of --spp"},
                      {"--samples", Excludes, "--adaptive", "parts take the same samples of all pixels"},
                      {"--samples", Excludes, "--noise", "parts take the same samples of all pixels"},
-                     {"--samples", Excludes, "--outfile", "a part makes no image; imgtool merge names it"},
                      {"--samples", Excludes, "--write-partial-images", "a part makes no image"},
                      {"--samples", Excludes, "--save-lights", "a part lacks samples"}});
 }

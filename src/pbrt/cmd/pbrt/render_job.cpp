@@ -32,6 +32,8 @@ void PrintWarnings(const DiagnosticSink &sink, size_t *printed) {
 /// Throws UserError if parts are to be rendered adaptively, if noise cannot be estimated, or if side images, which stay
 /// in one process's memory, are combined with checkpoints or several ranks.
 void CheckCombination(const CommandLine &options, const BuiltScene &built, const Team &team) {
+    if (options.samples && !options.build.film.filename.empty())
+        LogWarning("--outfile has no effect with --samples: a part makes no image; imgtool merge names it.");
     if (options.samples && built.half)
         throw UserError(
             "--samples: the scene's \"bool adaptive\" gives pixels different numbers of samples; parts need "

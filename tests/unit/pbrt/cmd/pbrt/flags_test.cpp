@@ -45,13 +45,10 @@ TEST_F(Flags, UnknownFlagsAndBadValuesAreErrors) {
 TEST_F(Flags, FlagsWithoutEffectAreErrors) {
     std::vector<ErrorCase> cases = {
         {"--checkpoint-interval 5 scene.pbrt", {"--checkpoint-interval needs --checkpoint"}},
-        {"--samples 0:2 --checkpoint c.chk --outfile out.exr scene.pbrt", {"--samples", "--outfile", "imgtool merge"}},
     };
     using Words = std::vector<std::string>;
     for (const auto &[flag, integrator, valid] :
          {std::tuple("--maxdepth 2", "ambientocclusion", Words{"\"path\"", "\"sppm\""}),
-          {"--lightsampler bvh", "simplepath", {"\"path\"", "\"bdpt\""}},
-          {"--mesh-lights", "lightpath", {"\"path\"", "\"mlt\""}},
           {"--shooting-sampler power", "path", {"\"bdpt\"", "\"lightpath\""}},
           {"--guide", "sppm", {"\"path\" and \"volpath\""}},
           {"--noise 0.1", "mlt", {"\"path\"", "\"bdpt\""}},

@@ -39,7 +39,7 @@ IntegratorSettings MakePath(const WithAdaptive<PathParams> &p, const ParamSet &s
     path.maxDepth = settings.maxDepth;
     path.regularize = p.regularize;
     path.minContinuation = p.minContinuation;
-    path.seesThroughInterfaces = isVolume;
+    path.passesInterfaces = isVolume;
     DirectionSpec directions;
     const bool isGuided = p.guide || r.options.guide || settings.lights->guide;
     // Parameters are validated even without guiding.
@@ -192,7 +192,7 @@ const IntegratorTable &Integrators() {
             {.hasLightSampler = true,
              .isGuided = true,
              .rendersMedia = true,
-             .seesThroughInterfaces = true,
+             .passesInterfaces = true,
              .scattersSubsurface = true,
              .isAdaptive = true,
              .hasSampledLightOnly = true});

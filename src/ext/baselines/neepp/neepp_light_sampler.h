@@ -58,7 +58,7 @@ struct NeeppParams {
     void Describe(auto &&v) {
         v("voxels", voxels, Range<int>{1, 128}, "voxels along the longest axis of the scene");
         v("samples", samples, Range<int>{1, 255}, "segments tested for a pair of voxels");
-        v("floor", floor, Range<Float>{1e-4f, 1.f}, "least visibility assumed of any light");
+        v("floor", floor, Range<Float>{1e-4f, 1.f}, "minimum visibility of a light");
         v("meshlights", meshlights, "an emissive mesh is one light for selection");
     }
 };

@@ -199,6 +199,6 @@ void register_oracle(pbrt::PluginRegistry &registry) {
     using namespace ext;
     registry.Add<OracleLightSampler, OracleParams>(
         "oracle",
-        "Measuring instrument, slow: traces shadow rays to every light at every point for the choice of least variance.",
+        "Measuring instrument, slow: traces shadow rays to every light at every point for the choice of minimum variance.",
         {.isInstrument = true});
 }

@@ -91,11 +91,7 @@ class ContributionPath {
         if (!weights_.beta) return false;
         pdf_ = IsSpecular(sample->flags) ? 0 : sample->pdfIsProportional ? bsdf.Pdf(point.wo, sample->wi) : sample->pdf;
         anyNonSpecular_ = anyNonSpecular_ || pdf_ > 0;
-        if (const Float continuation = weights_.beta.MaxComponent(); depth > 1 && continuation < 1) {
-            if (rng_.Uniform() >= continuation) return false;
-            weights_.beta /= continuation;
-        }
-        return true;
+        return depth == 1 || !EndsByRoulette(weights_.beta.MaxComponent(), rng_, weights_.beta);
     }
 
     /// `densities`: as SpectralWeights::ru.

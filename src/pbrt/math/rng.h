@@ -128,4 +128,13 @@ class Rng {
 inline constexpr std::array<Rng::Jump, 64> Rng::kJumps = Rng::Jumps();
 inline constexpr Rng::RunJumps Rng::kRuns = Rng::Runs();
 
+/// Russian roulette. Returns true if the path ends, with probability 1 - `continuation`; else divides its throughput by
+/// `continuation`. From 1 on, no path ends and no number is used.
+bool EndsByRoulette(Float continuation, Rng &rng, auto &throughput) {
+    if (!(continuation < 1)) return false;
+    if (rng.Uniform() >= continuation) return true;
+    throughput /= continuation;
+    return false;
+}
+
 }  // namespace pbrt

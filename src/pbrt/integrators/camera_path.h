@@ -46,7 +46,7 @@ class SurfaceThroughput {
     void SampledDirection(Float pdf) { pScatter_ = pdf; }
     /// Contribution of emission hit; `pLight`: density of light sampling (solid angle), 0: not sampled.
     SampledSpectrum Emission(const SampledSpectrum &Le, Float pLight) const {
-        return beta * Le * (pLight > 0 ? PowerHeuristic(pScatter_, pLight) : Float(1));
+        return beta * Le * EmissionWeight(pScatter_, pLight);
     }
     /// Contribution of a light sample; pScatter(wi): scattering density (solid angle).
     template <class Pdf>

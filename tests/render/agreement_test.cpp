@@ -77,7 +77,7 @@ class View {
         size_t plus = label.find('+');
         const std::string choice = label.substr(0, plus) + (plus != std::string::npos ? "+mesh" : "");
         const bool media = GetScene().HasMedia();
-        const PathSettings path{.maxDepth = built_.maxDepth, .seesThroughInterfaces = media, .tracksMedia = media};
+        const PathSettings path{.maxDepth = built_.maxDepth, .passesInterfaces = media, .tracksMedia = media};
         PixelStatistics statistics;
         for (int run = 0; run < runs_; ++run) {
             std::unique_ptr<LightSampler> lights = MakeLightSampler(choice, GetScene().Lights());

@@ -51,7 +51,7 @@ class ContributionPath {
         walk_.ForEachEmission(lambda_, [&](const SampledSpectrum &Le, LightId id, const Point3 &p, const Normal3 &n) {
             const bool isInfinite = met == PathWalk::Met::Nothing;
             const Float pLight = pdf_ > 0 ? last_.LightPdf(scene_.Lights(), id, isInfinite, walk_.GetRay().d, p, n) : 0;
-            Add(weights_.beta * Le * (pLight > 0 ? PowerHeuristic(pdf_, pLight) : Float(1)), id, weights_.ru);
+            Add(weights_.beta * Le * EmissionWeight(pdf_, pLight), id, weights_.ru);
         });
     }
 
@@ -91,11 +91,7 @@ class ContributionPath {
         if (!weights_.beta) return false;
         pdf_ = IsSpecular(sample->flags) ? 0 : sample->pdfIsProportional ? bsdf.Pdf(point.wo, sample->wi) : sample->pdf;
         anyNonSpecular_ = anyNonSpecular_ || pdf_ > 0;
-        if (const Float continuation = weights_.beta.MaxComponent(); depth > 1 && continuation < 1) {
-            if (rng_.Uniform() >= continuation) return false;
-            weights_.beta /= continuation;
-        }
-        return true;
+        return depth == 1 || !EndsByRoulette(weights_.beta.MaxComponent(), rng_, weights_.beta);
     }
 
     /// `densities`: as SpectralWeights::ru.

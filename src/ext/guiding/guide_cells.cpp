@@ -8,12 +8,12 @@
 namespace ext {
 namespace {
 
-constexpr size_t kCellRecords = 256;  ///< cells with more records of positive contribution are split
-constexpr double kLargestPart = 0.1;  ///< outlier limit: maximum share of one record in a second moment
+constexpr size_t kCellRecords = 256;     ///< cells with more records of positive contribution are split
+constexpr double kMaxRecordShare = 0.1;  ///< outlier limit: maximum share of one record in a second moment
 /// Weight of the parent cell's radiance estimate for a cluster, in samples.
 constexpr double kPriorSamples = 3;
 /// Groups of GuideDirections::kLanes clusters are left out of a cell if BSDF sampling suffices for them: with density
-/// 1/Pi (solid angle), their second moment is at most this part of the squared flux, the smallest moment of all.
+/// 1/Pi (solid angle), their second moment is at most this fraction of the squared flux, the smallest moment of all.
 constexpr double kMaxOmitted = 0.02;
 constexpr size_t kCellPlaces = 32;  ///< vertices per cell over which cluster solid angles are averaged
 constexpr size_t kFrom = 1024;      ///< approximate number of vertices passed to MakeSourceClusters
@@ -37,13 +37,13 @@ class GuideCellsBuilder {
     void Build() {
         cells_.Clear();
         if (records_.empty()) return;
-        ParallelForEach(kParts, [&](int64_t part) { MakeClusters(part); });
+        ParallelForEach(kSubsets, [&](int64_t subset) { MakeClusters(subset); });
         cells_.tree_.Begin(1);
         Divide(0, 0, records_.size());
         cells_.leaves_.resize(tasks_.size());
         cells_.radiances_.resize(tasks_.size());
         SortBounces();
-        ParallelForEach(kParts, [&](int64_t part) { EstimateRadiances(part); });
+        ParallelForEach(kSubsets, [&](int64_t subset) { EstimateRadiances(subset); });
         tested_.resize(records_.size());
         ParallelForEach(tasks_.size(), [&](int64_t i) {
             const Task &task = tasks_[i];
@@ -60,12 +60,12 @@ class GuideCellsBuilder {
     }
 
   private:
-    static constexpr size_t kAll = 2, kParts = 3;  ///< the two halves of the records, and their union
+    static constexpr size_t kAll = 2, kSubsets = 3;  ///< the two halves of the records, and their union
     struct Entry {
         const GuideRecord *record;
         double counts = 0;  ///< weight of its square: mean radiance from its direction over its own
-        uint32_t cluster[kParts] = {RadianceSample::kNone, RadianceSample::kNone, RadianceSample::kNone};
-        double flux[kParts] = {};  ///< radiance times cosine over density, clamped
+        uint32_t cluster[kSubsets] = {RadianceSample::kNone, RadianceSample::kNone, RadianceSample::kNone};
+        double flux[kSubsets] = {};  ///< radiance times cosine over density, clamped
     };
     /// Second moment of a record with each guiding probability, and with BSDF sampling alone.
     struct Tested {
@@ -74,9 +74,9 @@ class GuideCellsBuilder {
     };
     /// Over the scattering events of a cell, for BSDFs of one kind.
     struct Moments {
-        double each = 0;                             ///< mean second moment of an event without guiding
-        double plain = 0;                            ///< with BSDF sampling alone
-        std::array<double, kProbabilities> parts{};  ///< relative second moment per guiding probability
+        double each = 0;                               ///< mean second moment of an event without guiding
+        double plain = 0;                              ///< with BSDF sampling alone
+        std::array<double, kProbabilities> squares{};  ///< relative second moment per guiding probability
     };
     struct Content {
         size_t begin = 0, end = 0;   ///< range in records_
@@ -85,14 +85,14 @@ class GuideCellsBuilder {
     struct Task {
         size_t begin, end;                    ///< range in records_
         size_t firstBounce = 0, bounces = 0;  ///< range in bounces_
-        PerSourceCluster radiances[kParts] = {};
+        PerSourceCluster radiances[kSubsets] = {};
     };
 
-    static bool IsOf(const GuideRecord &r, size_t part) { return part == kAll || r.isOfFirstHalf == (part == 0); }
+    static bool IsOf(const GuideRecord &r, size_t subset) { return subset == kAll || r.isOfFirstHalf == (subset == 0); }
     static size_t KindOf(const GuideRecord &r) { return r.isGlossy ? 1 : 0; }
     static double CosineOf(const GuideRecord &r) { return r.bothSides ? 1 : double(std::abs(Dot(r.wi, r.normal))); }
 
-    void MakeClusters(size_t part) {
+    void MakeClusters(size_t subset) {
         std::vector<RadianceSample> samples;
         std::vector<Point3> from;
         double sum = 0;
@@ -103,18 +103,18 @@ class GuideCellsBuilder {
             const GuideRecord &r = places_[i];
             const uint32_t at = number;
             number += r.contribution > 0;
-            if (!(r.pdf > 0) || !IsOf(r, part)) continue;
+            if (!(r.pdf > 0) || !IsOf(r, subset)) continue;
             if (bounces++ % step == 0) from.push_back(r.p);
             if (!(r.contribution > 0 && r.radiance > 0)) continue;
             const double perPdf = 1 / double(r.pdf);
             samples.push_back({.target = r.target, .radiance = double(r.radiance), .perPdf = perPdf, .number = at});
             sum += samples.back().radiance * perPdf;
         }
-        for (RadianceSample &f : samples) f.radiance = std::min(f.radiance, kLargestPart * sum / f.perPdf);
-        clusters_[part] = MakeSourceClusters(samples, from, bounces);
-        sideBySide_[part] = SourceClusters(clusters_[part]);
+        for (RadianceSample &f : samples) f.radiance = std::min(f.radiance, kMaxRecordShare * sum / f.perPdf);
+        clusters_[subset] = MakeSourceClusters(samples, from, bounces);
+        sideBySide_[subset] = SourceClusters(clusters_[subset]);
         // Single radiances have high variance; the cluster mean replaces them.
-        std::vector<double> radiances(clusters_[part].size()), counts(radiances.size());
+        std::vector<double> radiances(clusters_[subset].size()), counts(radiances.size());
         for (const RadianceSample &f : samples)
             if (f.cluster != RadianceSample::kNone) {
                 radiances[f.cluster] += f.radiance;
@@ -123,10 +123,10 @@ class GuideCellsBuilder {
         for (const RadianceSample &f : samples) {
             if (!(f.radiance > 0)) continue;
             Entry &entry = records_[f.number];
-            entry.cluster[part] = f.cluster;
+            entry.cluster[subset] = f.cluster;
             if (f.cluster != RadianceSample::kNone)
-                entry.flux[part] = radiances[f.cluster] / counts[f.cluster] * f.perPdf * CosineOf(*entry.record);
-            if (part == kAll) entry.counts = std::min(1.0, f.meanRadiance / f.radiance);
+                entry.flux[subset] = radiances[f.cluster] / counts[f.cluster] * f.perPdf * CosineOf(*entry.record);
+            if (subset == kAll) entry.counts = std::min(1.0, f.meanRadiance / f.radiance);
         }
     }
 
@@ -176,21 +176,21 @@ class GuideCellsBuilder {
         }
     }
 
-    /// Sampled and expected flux per tree node and cluster of a part (node-major).
+    /// Sampled and expected flux per tree node and cluster of a subset (node-major).
     struct Sums {
         std::vector<double> sampled, expected;
-        std::vector<double> events;      ///< of the part; per node, of leaves only
+        std::vector<double> events;      ///< of the subset; per node, of leaves only
         std::vector<double> meanSample;  ///< per cluster
     };
 
     /// Estimates cluster radiances per task as sampled over expected flux, top-down. Sparse cells shrink to their
     /// parent's estimate.
-    void EstimateRadiances(size_t part) {
-        const std::vector<SourceCluster> &clusters = clusters_[part];
+    void EstimateRadiances(size_t subset) {
+        const std::vector<SourceCluster> &clusters = clusters_[subset];
         const size_t count = clusters.size();
         if (count == 0) return;
         const std::vector<PointTree::Node> &nodes = cells_.tree_.Nodes();
-        const Sums sums = SumSamples(part);
+        const Sums sums = SumSamples(subset);
         std::vector<double> factor(nodes.size() * count);
         std::fill_n(factor.begin(), count, 1.0);
         for (size_t node = 0; node < nodes.size(); ++node) {
@@ -202,7 +202,7 @@ class GuideCellsBuilder {
             }
             const size_t below = nodes[node].below;
             if (nodes[node].IsLeaf()) {
-                PerSourceCluster &radiances = tasks_[below].radiances[part];
+                PerSourceCluster &radiances = tasks_[below].radiances[subset];
                 std::vector<double> flux(count);
                 for (size_t k = 0; k < count; ++k) {
                     const double a = factor[node * count + k];
@@ -237,8 +237,8 @@ class GuideCellsBuilder {
         }
     }
 
-    Sums SumSamples(size_t part) const {
-        const std::vector<SourceCluster> &clusters = clusters_[part];
+    Sums SumSamples(size_t subset) const {
+        const std::vector<SourceCluster> &clusters = clusters_[subset];
         const size_t count = clusters.size();
         const std::vector<PointTree::Node> &nodes = cells_.tree_.Nodes();
         Sums sums;
@@ -261,11 +261,11 @@ class GuideCellsBuilder {
             const Task &task = tasks_[below];
             for (size_t i = task.begin; i < task.end; ++i) {
                 const Entry &entry = records_[i];
-                const uint32_t cluster = entry.cluster[part];
+                const uint32_t cluster = entry.cluster[subset];
                 // Inside a cluster the expected flux is 0 (SolidAngleOf), so its samples are excluded.
                 if (cluster == RadianceSample::kNone || clusters[cluster].Contains(entry.record->p)) continue;
-                f[cluster] += entry.flux[part];
-                sums.meanSample[cluster] += entry.flux[part];
+                f[cluster] += entry.flux[subset];
+                sums.meanSample[cluster] += entry.flux[subset];
                 ++samples[cluster];
             }
             std::vector<double> angles(count);
@@ -278,9 +278,9 @@ class GuideCellsBuilder {
             }
             for (double &angle : angles)
                 if (places > 0) angle /= double(places);
-            double &ofPart = sums.events[node];
-            for (size_t i = 0; i < task.bounces; ++i) ofPart += IsOf(places_[bounces_[task.firstBounce + i]], part);
-            for (size_t k = 0; k < count; ++k) e[k] = ofPart * double(clusters[k].radiance) * angles[k];
+            double &events = sums.events[node];
+            for (size_t i = 0; i < task.bounces; ++i) events += IsOf(places_[bounces_[task.firstBounce + i]], subset);
+            for (size_t k = 0; k < count; ++k) e[k] = events * double(clusters[k].radiance) * angles[k];
         }
         for (size_t k = 0; k < count; ++k)
             if (samples[k] > 0) sums.meanSample[k] /= samples[k];
@@ -321,32 +321,32 @@ class GuideCellsBuilder {
             plain += tested_[i].plainSquare;
         }
         if (node == 0 && tests < kMinTests) return;
-        const double maxSquares = kLargestPart * squares, maxPlain = kLargestPart * plain;
+        const double maxSquares = kMaxRecordShare * squares, maxPlain = kMaxRecordShare * plain;
         Moments here;
-        for (size_t k = 0; k < kProbabilities; ++k) here.parts[k] = prior * above.each * above.parts[k];
+        for (size_t k = 0; k < kProbabilities; ++k) here.squares[k] = prior * above.each * above.squares[k];
         here.plain = prior * above.plain;
         for (size_t i = content.begin; i < content.end; ++i) {
             const Tested &tested = tested_[i];
             if (KindOf(*records_[i].record) != kind || !(tested.squares[0] > 0)) continue;
-            const double part = std::min(1.0, maxSquares / tested.squares[0]);
-            for (size_t k = 0; k < kProbabilities; ++k) here.parts[k] += part * tested.squares[k];
+            const double scale = std::min(1.0, maxSquares / tested.squares[0]);
+            for (size_t k = 0; k < kProbabilities; ++k) here.squares[k] += scale * tested.squares[k];
             here.plain += std::min(tested.plainSquare, maxPlain);
         }
-        if (!(here.parts[0] > 0)) return;
+        if (!(here.squares[0] > 0)) return;
         const double bounces = prior + double(content.kindBounces[kind]);
-        here.each = here.parts[0] / bounces;
+        here.each = here.squares[0] / bounces;
         here.plain /= bounces;
         // In reverse: parts[0], without guiding, is the divisor.
-        for (size_t k = kProbabilities; k-- > 0;) here.parts[k] /= here.parts[0];
+        for (size_t k = kProbabilities; k-- > 0;) here.squares[k] /= here.squares[0];
         const PointTree::Node &n = cells_.tree_.Nodes()[node];
         if (!n.IsLeaf()) {
             EstimateProbabilities(kind, n.below, here);
             return EstimateProbabilities(kind, size_t{n.below} + 1, here);
         }
-        const auto best = std::min_element(here.parts.begin(), here.parts.end());
+        const auto best = std::min_element(here.squares.begin(), here.squares.end());
         if (*best > 1 - kMinGain) return;
         GuideCells::Leaf &leaf = cells_.leaves_[n.below];
-        leaf.probability[kind] = ProbabilityAt(best - here.parts.begin());
+        leaf.probability[kind] = ProbabilityAt(best - here.squares.begin());
         leaf.gain[kind] = Float(here.plain * (1 - *best));
     }
 
@@ -368,8 +368,8 @@ class GuideCellsBuilder {
     std::vector<Content> contents_;  ///< one per node
     std::vector<Tested> tested_;     ///< one per entry of records_
     std::vector<uint32_t> bounces_;
-    std::vector<SourceCluster> clusters_[kParts];
-    SourceClusters sideBySide_[kParts];  ///< clusters_ as structure of arrays
+    std::vector<SourceCluster> clusters_[kSubsets];
+    SourceClusters sideBySide_[kSubsets];  ///< clusters_ as structure of arrays
 };
 
 void GuideCells::Learn(std::span<const GuideRecord> records, Float largestProbability) {

@@ -83,11 +83,8 @@ class Measurer {
             weights.beta *= sample->f * (AbsDot(sample->wi, point.shading.n) / sample->pdf);
             if (!weights.beta) return;
             if (IsTransmissive(sample->flags)) etaScale *= Sqr(sample->eta);
-            const Float survive = (weights.beta * etaScale / weights.Mean(weights.ru)).MaxComponent();
-            if (survive < 1 && depth > 1) {
-                if (rng.Uniform() >= survive) return;
-                weights.beta /= survive;
-            }
+            const Float continuation = (weights.beta * etaScale / weights.Mean(weights.ru)).MaxComponent();
+            if (depth > 1 && EndsByRoulette(continuation, rng, weights.beta)) return;
         }
     }
 

@@ -37,7 +37,7 @@ class LearnedVisibilityLightSampler : public InteriorLightSampler {
   private:
     void PortalsChanged();
     void Learn(PrepareContext &context, std::span<PrepassVertex> vertices);
-    /// Keeps the portals if a trial finds that they reduce the error at equal cost.
+    /// Keeps the portals if a trial shows that they reduce the error at equal cost.
     void TryPortals(PrepareContext &context, std::span<PrepassVertex> vertices);
     void LoadLearned(const PrepareContext &context, StateReader &reader);
     uint64_t LightTreeHash() const;  ///< hash of the lights and light tree nodes that a saved model refers to

@@ -184,7 +184,7 @@ PortalSampling::PortalSampling(const LightGroups &groups, const std::string &mod
         environments_.push_back({.id = id,
                                  .group = groups.GroupOf(id),
                                  .light = light,
-                                 .whole = MakeEmitter(lights_, id, lights_.Candidate(id)),
+                                 .outside = MakeEmitter(lights_, id, lights_.Candidate(id)),
                                  .perMean = PerMeanRadiance(*light, lights_.Unit())});
     }
 }
@@ -229,7 +229,7 @@ void PortalSampling::Evaluate(const LightQuery &query, const Environment &e, Flo
         if (g[i] > 0) g[i] *= e.perMean * e.portals->IntegralAround(i, query.p);
         if (!std::isfinite(g[i])) g[i] = 0;
     }
-    g[count_] = e.whole.m0 > 0 ? EvaluateFar(e.whole, query) : 0;
+    g[count_] = e.outside.m0 > 0 ? EvaluateFar(e.outside, query) : 0;
 }
 
 double PortalSampling::CostPerVertex(const Scene &scene) const {
@@ -364,7 +364,7 @@ void PortalSampling::Inspect(const Point3 &p, std::vector<InspectedValue> &value
     const VisibilityTree::Row row = tree_.GetRow(cell);
     values.push_back({"portal cell", double(cell), true});
     for (size_t i = 0; i < RegionCount(); ++i)
-        values.push_back({i < count_ ? fmt::format("portal {} seen", i) : std::string("rest of the environment seen"),
+        values.push_back({i < count_ ? fmt::format("visibility of portal {}", i) : std::string("visibility elsewhere"),
                           double(VisibilityTree::Decode(row.codes[i])), false});
 }
 

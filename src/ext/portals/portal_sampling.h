@@ -41,10 +41,10 @@ class PortalSampling {
     void Clear();
 
     bool IsOnTrial() const { return isOnTrial_; }  ///< true if a trial decides whether portals that were found are used
-    /// Selects between the portals found and whole lights, for a trial.
+    /// Selects between the portals found and lights without portals, for a trial.
     void SetActive(bool active) { isActive_ = active && count_ > 0; }
-    /// Takes the trial of portals relative to whole lights, and discards the portals unless they pay. Returns whether
-    /// they do; they are still inactive.
+    /// Takes the trial of portals relative to lights without them, and discards the portals unless they pay. Returns
+    /// whether they do; they are still inactive.
     bool EndTrial(const TrialRatio &result);
     /// Cost of active portals per path vertex of the scene, in the unit of CompareTrials.
     double CostPerVertex(const Scene &scene) const;
@@ -84,7 +84,7 @@ class PortalSampling {
         LightId id{};
         uint32_t group = 0;
         const EnvironmentLight *light = nullptr;
-        Emitter whole;      ///< dark if the whole light is never sampled
+        Emitter outside;    ///< the light outside portals; dark if it is never sampled there
         Float perMean = 0;  ///< unit of G over that of EnvironmentPortals::IntegralAround
         std::optional<EnvironmentPortals> portals{};
     };

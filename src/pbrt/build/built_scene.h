@@ -37,7 +37,6 @@ struct BuildOptions {
     bool sampledLightOnly = false;                    ///< PathSettings::sampledLightOnly
     bool guide = false;                               ///< --guide
     bool adaptive = false;                            ///< --adaptive
-    bool uniform = false;                             ///< ignore --adaptive and the scene's "adaptive"
     std::string lightSampler;                         ///< --lightsampler, see LightFlags; empty: the scene's
     bool meshLights = false;                          ///< --mesh-lights
     std::string shootingSampler;                      ///< --shooting-sampler name[:key=value,...]; empty: the scene's

@@ -39,7 +39,7 @@ IntegratorSettings MakePath(const WithAdaptive<PathParams> &p, const ParamSet &s
     path.maxDepth = settings.maxDepth;
     path.regularize = p.regularize;
     path.minContinuation = p.minContinuation;
-    path.seesThroughInterfaces = isVolume;
+    path.passesInterfaces = isVolume;
     DirectionSpec directions;
     const bool isGuided = p.guide || r.options.guide || settings.lights->guide;
     // Parameters are validated even without guiding.
@@ -125,7 +125,7 @@ void CheckFlags(const BuildOptions &o, const std::string &integrator, Diagnostic
     using Traits = IntegratorTraits;
     const IntegratorFlag flags[] = {{"--shooting-sampler", !o.shootingSampler.empty(), &Traits::hasEmissionSampler},
                                     {"--guide", o.guide, &Traits::isGuided},
-                                    {"--adaptive or --noise", o.adaptive && !o.uniform, &Traits::isAdaptive},
+                                    {"--adaptive or --noise", o.adaptive, &Traits::isAdaptive},
                                     {"--maxdepth", o.maxDepth.has_value(), &Traits::hasDepth},
                                     {"--disable-pixel-jitter", o.disablePixelJitter, &Traits::samplesPixels},
                                     {"--sampled-light", o.sampledLightOnly, &Traits::hasSampledLightOnly}};
@@ -246,10 +246,8 @@ IntegratorSettings ReadIntegrator(const Entity &entity, const BuildOptions &opti
             guide.Check(type, sink);
         }
     }
-    if (settings.adaptive && options.uniform)
-        sink.Warning({}, "\"bool adaptive\" has no effect here: all pixels get the same number of samples.");
     settings.type = type;
-    settings.adaptive = (settings.adaptive || options.adaptive) && !options.uniform;
+    settings.adaptive = settings.adaptive || options.adaptive;
     return settings;
 }
 

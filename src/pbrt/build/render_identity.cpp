@@ -96,7 +96,7 @@ RenderIdentity LightIdentity(const Scene &scene, const std::string &lightSampler
         fmt::format("({}, {}, {}) to ({}, {}, {})", b.low.x, b.low.y, b.low.z, b.high.x, b.high.y, b.high.z);
     const LightTable &lights = scene.Lights();
     identity["the number of lights"] = std::to_string(lights.LightCount());
-    identity["the number of lights with their parts"] = std::to_string(lights.Size());
+    identity["the number of light components"] = std::to_string(lights.Size());
     uint64_t power = Hash(lights.Unit());
     for (uint32_t g = 0; g < lights.ByComponent().Size(); ++g)
         power = Hash(power, HashOf(lights.ByComponent().Candidate(g)));

@@ -19,13 +19,10 @@ constexpr Float kDensityTrust = Float(0.9);
 /// Geometric series up to this many base hits are summed term by term.
 constexpr int kSummedHits = 16;
 
-/// Russian roulette at low throughput; divides the throughput of survivors by their probability.
+/// Russian roulette at low throughput.
 bool EndsByRoulette(SampledSpectrum &beta, Rng &rng) {
     const Float continuation = beta.MaxComponent();
-    if (!(continuation < kRouletteThreshold)) return false;
-    if (rng.Uniform() >= continuation) return true;
-    beta /= continuation;
-    return false;
+    return continuation < kRouletteThreshold && pbrt::EndsByRoulette(continuation, rng, beta);
 }
 
 TransportMode Reverse(TransportMode mode) {

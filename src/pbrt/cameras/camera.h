@@ -21,7 +21,7 @@ struct CameraSample {
 struct CameraRay {
     Ray ray;  ///< rendering space, unit direction
     RayDifferential differential;
-    SampledSpectrum weight{1};
+    SampledSpectrum weight{1};  ///< factor of the radiance along the ray
 };
 
 struct CameraConnection {

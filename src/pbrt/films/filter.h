@@ -17,10 +17,10 @@ struct FilterSample {
 class Filter {
   public:
     virtual ~Filter() = default;
-    Vector2 Radius() const { return radius_; }
-    virtual Float Evaluate(const Point2 &p) const = 0;
-    virtual Float Integral() const = 0;  ///< of Evaluate over the plane
-    virtual FilterSample Sample(const Point2 &u) const = 0;
+    Vector2 Radius() const { return radius_; }               ///< half widths, in pixels
+    virtual Float Evaluate(const Point2 &p) const = 0;       ///< p: relative to the pixel centre, in pixels
+    virtual Float Integral() const = 0;                      ///< of Evaluate over the plane
+    virtual FilterSample Sample(const Point2 &u) const = 0;  ///< u: uniform on the unit square
     /// Density of Sample at p, by area; for tabulated filters (gaussian, mitchell, sinc) that of the table.
     virtual Float Pdf(const Point2 &p) const { return Evaluate(p) / Integral(); }
 

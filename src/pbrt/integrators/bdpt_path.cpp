@@ -3,13 +3,12 @@
 namespace pbrt {
 
 Float BdptWeights::LightPdf(const BdptVertex &light, const BdptVertex &next) const {
-    const LightComponent part = lights_[light.light];
+    const LightComponent component = lights_[light.light];
     const Float pmf = shooting_.PMF({}, light.light);
-    if (IsDelta(part.Kind())) {
-        // The position of a distant light is its direction; that of an invisible area light has a density.
-        if (light.isBeyondScene || light.n == Normal3(0)) return pmf;
-    }
-    const LightLePdf pdf = part.PdfLe(light.isBeyondScene ? next.Position() : light.p, light.n, light.Towards(next));
+    // The position of a distant light is its direction; that of an invisible area light has a density.
+    if (IsDelta(component.Kind()) && (light.isBeyondScene || light.n == Normal3(0))) return pmf;
+    const LightLePdf pdf =
+        component.PdfLe(light.isBeyondScene ? next.Position() : light.p, light.n, light.Towards(next));
     return pmf * (light.isBeyondScene ? pdf.direction : pdf.position);
 }
 
@@ -30,14 +29,14 @@ Float BdptWeights::ConnectedLightPdf(const BdptVertex &light, const BdptVertex &
     const LightSampleContext context = from.Context();
     const SampledLight chosen =
         isInfinite ? lights.Towards(light.light, context.p, wi) : SampledLight{light.light, lights.PMF(light.light)};
-    const LightComponent part = lights_.Region(light.light, chosen.region);
+    const LightComponent component = lights_.Region(light.light, chosen.region);
     const Float pmf = chosen.pmf;
     if (light.isBeyondScene ? !isInfinite : light.n == Normal3(0)) return pmf;
-    const ShapePrimitive at = part.Surface();
+    const ShapePrimitive at = component.Surface();
     // PdfLi is 0 for an area light that rays cannot hit, because only light sampling reaches it.
-    const Float pdf = part.Kind() == LightKind::DeltaPosition && at.shape
+    const Float pdf = component.Kind() == LightKind::DeltaPosition && at.shape
                           ? at.shape->PdfSolidAngle(at.primitive, context, wi, light.p, light.n)
-                          : part.PdfLi(context, wi, light.p, light.n, false);
+                          : component.PdfLi(context, wi, light.p, light.n, false);
     return pmf * light.AreaPdf(from, pdf);
 }
 

@@ -15,7 +15,7 @@ struct PathSettings {
     bool subsurface = false;  ///< subsurface scattering (volpath; path renders clear dielectrics, as in stock)
     /// Shadow rays pass interface surfaces (volpath, in scenes built so that they pass them; in path they block, as in
     /// stock).
-    bool seesThroughInterfaces = false;
+    bool passesInterfaces = false;
     /// Excludes emission reached only by BSDF sampling: directly visible or mirrored lights, caustics. It is
     /// independent of the light sampler and would add noise to comparisons.
     bool sampledLightOnly = false;
@@ -46,7 +46,7 @@ class SurfaceThroughput {
     void SampledDirection(Float pdf) { pScatter_ = pdf; }
     /// Contribution of emission hit; `pLight`: density of light sampling (solid angle), 0: not sampled.
     SampledSpectrum Emission(const SampledSpectrum &Le, Float pLight) const {
-        return beta * Le * (pLight > 0 ? PowerHeuristic(pScatter_, pLight) : Float(1));
+        return beta * Le * EmissionWeight(pScatter_, pLight);
     }
     /// Contribution of a light sample; pScatter(wi): scattering density (solid angle).
     template <class Pdf>
@@ -145,7 +145,7 @@ class CameraPath {
         if constexpr (Throughput::kHasMedia) scatters = walk_.FindScattering(lambda_, throughput_);
         else scatters = walk_.FindScattering(lambda_);
         if (scatters) return ScatterAtSurface();
-        if (!settings_.seesThroughInterfaces) lightCouldSample_ = false;
+        if (!settings_.passesInterfaces) lightCouldSample_ = false;
         return true;
     }
 

@@ -26,7 +26,7 @@ class DirectionSampling : public OnlineModel {
 };
 
 struct DirectionRequest {
-    /// False: neither scene nor command line asks for it, but the light sampler does (LightSampler::LearnsRoulette).
+    /// False: neither scene nor command line requests it, but the light sampler does (LightSampler::LearnsRoulette).
     /// Then makers return roulette with BSDF directions, or null if the parameters switch that off.
     bool isGuided;
 };

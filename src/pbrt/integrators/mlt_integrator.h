@@ -83,7 +83,7 @@ class MltIntegrator final : public Integrator {
     bool Render(const RenderPass &pass) override {
         if (pass.film.NeedsVisibleSurface())
             throw UserError(
-                "Integrator \"mlt\" has no camera rays of single pixels, so it finds no visible surface for the film: "
+                "Integrator \"mlt\" has no camera rays of single pixels, so the film gets no visible surface: "
                 "use Film \"rgb\" or \"spectral\" without further channels.");
         Renderer renderer(*this, pass);
         renderer.Bootstrap();

@@ -4,6 +4,7 @@
 
 namespace pbrt {
 
+/// Everything that plugins can add.
 struct PluginRegistry : LightSamplerRegistry {
     DirectionSamplings directionSamplings{"direction sampling"};
 };

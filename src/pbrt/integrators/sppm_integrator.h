@@ -141,11 +141,7 @@ class SppmIntegrator final : public PixelIntegrator {
             if (!sample) break;
             SampledSpectrum next = beta * sample->f * (AdjointCosine(point, point.wo, sample->wi) / sample->pdf);
             // Russian roulette that keeps the power of all photons about equal.
-            const Float continuation = next.MaxComponent() / beta.MaxComponent();
-            if (continuation < 1) {
-                if (rng.Uniform() >= continuation) break;
-                next /= continuation;
-            }
+            if (EndsByRoulette(next.MaxComponent() / beta.MaxComponent(), rng, next)) break;
             beta = next;
             walk.Scatter(*sample);
         }

@@ -104,7 +104,7 @@ struct Portal {
 
 /// Partitions the directions of an environment light, from a point, into regions: visible through the first portal,
 /// through the second but not the first, and so on; the last region is the remainder. Portal regions are sampled in
-/// proportion to the radiance within the portal, by a PortalMap; the remainder like the whole light. Refers to the
+/// proportion to the radiance within the portal, by a PortalMap; the remainder like the light itself. Refers to the
 /// light. Immutable.
 class EnvironmentPortals {
   public:

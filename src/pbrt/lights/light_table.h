@@ -115,7 +115,7 @@ class LightTable {
     std::span<const LightId> Environments() const { return environments_; }
 
     /// For a ray from o in direction d that leaves the scene: calls visit(radiance, id) for every infinite light with
-    /// nonzero radiance, with the id of the whole light.
+    /// nonzero radiance, with the id of the light.
     void ForEachInfiniteEmission(const Point3 &o, const Vector3 &d, const SampledWavelengths &lambda,
                                  auto &&visit) const {
         for (LightId first : infinite_)

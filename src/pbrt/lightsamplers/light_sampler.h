@@ -162,7 +162,7 @@ class LightDistribution {
 class LightSampler {
   public:
     virtual ~LightSampler() = default;
-    virtual void Prepare(PrepareContext &) {}
+    virtual void Prepare(PrepareContext &) {}  ///< once, before At; may trace rays, and throws UserError
     /// Evaluates the lights at a vertex, in the caller's memory; allocates only if that is too small. Invalidates
     /// earlier results in the memory.
     LightDistribution At(const LightQuery &query, LightMemory &memory) const {

@@ -4,6 +4,7 @@
 
 namespace pbrt {
 
+/// Selects all groups with equal probability.
 class UniformLightSampler final : public GroupLightSampler {
   public:
     explicit UniformLightSampler(const LightGroups &groups) : GroupLightSampler(groups, true) {}

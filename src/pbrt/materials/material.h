@@ -15,7 +15,7 @@ class Material {
     /// BSDF at a point whose shading frame is final. May terminate secondary wavelengths (dispersion).
     virtual Bsdf GetBsdf(const SurfacePoint &point, SampledWavelengths &lambda) const = 0;
 
-    virtual void PerturbShading(SurfacePoint &) const {}
+    virtual void PerturbShading(SurfacePoint &) const {}  ///< applies a normal or bump map to the shading frame
 
     /// For mix: the material chosen by a hash of p, wo and the two operands. Others: themselves; null: interface.
     virtual const Material *Resolve(const SurfacePoint &) const { return this; }
@@ -24,7 +24,7 @@ class Material {
     /// BSSRDF at this point; empty without subsurface scattering.
     virtual std::optional<Bssrdf> GetBssrdf(const SurfacePoint &, const SampledWavelengths &) const { return {}; }
 
-    virtual bool IsInterface() const { return false; }
+    virtual bool IsInterface() const { return false; }  ///< no scattering, only a boundary of media
     virtual bool IsMix() const { return false; }
     /// True if GetBsdf suffices: Resolve returns this, PerturbShading does nothing, and the material is no interface.
     bool IsPlain() const { return isPlain_; }

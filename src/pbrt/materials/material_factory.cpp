@@ -228,7 +228,7 @@ void CheckIndex(const ParamSet &set, const std::string &name, const Spectrum &et
         low = std::min(low, eta(nm));
         high = std::max(high, eta(nm));
     }
-    const bool isTable = !dynamic_cast<const ConstantSpectrum *>(&eta);
+    const bool isTable = !eta.IsConstant();
     constexpr Float kMaxIndex = 1e6f;
     if (high > kMaxIndex) throw set.Error(name, "\"{}\" is {}; it must be at most {}.", name, high, kMaxIndex);
     if (low >= 0 && (isMetal || isTable || high > 0)) return;

@@ -13,7 +13,7 @@ class MixMaterial final : public Material {
     MixMaterial(std::array<MaterialPtr, 2> materials, FloatInput amount, uint64_t pairId)
         : materials_(std::move(materials)), amount_(std::move(amount)), pairId_(pairId) {
         for (size_t i = 0; i < 2; ++i) {
-            mixes_[i] = dynamic_cast<const MixMaterial *>(materials_[i].get());
+            if (materials_[i]->IsMix()) mixes_[i] = static_cast<const MixMaterial *>(materials_[i].get());
             if (mixes_[i]) depth_ = std::max(depth_, mixes_[i]->depth_ + 1);
         }
     }
@@ -42,7 +42,7 @@ class MixMaterial final : public Material {
     }
 
     std::array<MaterialPtr, 2> materials_;
-    std::array<const MixMaterial *, 2> mixes_;  ///< operands that are mixes, else null
+    std::array<const MixMaterial *, 2> mixes_{};  ///< operands that are mixes, else null
     FloatInput amount_;
     uint64_t pairId_;
     int depth_ = 1;

@@ -9,10 +9,10 @@ namespace pbrt {
 
 struct Ray {
     Point3 o{};
-    Vector3 d{0, 0, 1};
-    Float tMax = Infinity;
-    Float time = 0;
-    MediumId medium{};
+    Vector3 d{0, 0, 1};     ///< of any length above 0
+    Float tMax = Infinity;  ///< in units of d
+    Float time = 0;         ///< in the unit of TransformTimes
+    MediumId medium{};      ///< around o
     Point3 operator()(Float t) const { return o + d * t; }
 };
 

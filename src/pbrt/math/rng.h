@@ -69,13 +69,13 @@ class Rng {
         auto xorshifted = uint32_t(((old >> 18) ^ old) >> 27);
         return std::rotr(xorshifted, int(old >> 59));
     }
-    Float Uniform() { return std::min(OneMinusEpsilon, Float(Next()) * 0x1p-32f); }
+    Float Uniform() { return std::min(OneMinusEpsilon, Float(Next()) * 0x1p-32f); }  ///< in [0, 1)
     Point2 Uniform2() {
         Float x = Uniform();
         return {x, Uniform()};
     }
-    uint32_t UniformInt(uint32_t n) { return uint32_t((uint64_t(Next()) * n) >> 32); }
-    void Advance(uint64_t count) {
+    uint32_t UniformInt(uint32_t n) { return uint32_t((uint64_t(Next()) * n) >> 32); }  ///< below n
+    void Advance(uint64_t count) {  ///< as `count` calls of Next, in logarithmic time
         for (; count > 0; count &= count - 1) {
             const Jump &jump = kJumps[std::countr_zero(count)];
             state_ = jump.multiplier * state_ + jump.steps * increment_;
@@ -127,5 +127,14 @@ class Rng {
 };
 inline constexpr std::array<Rng::Jump, 64> Rng::kJumps = Rng::Jumps();
 inline constexpr Rng::RunJumps Rng::kRuns = Rng::Runs();
+
+/// Russian roulette. Returns true if the path ends, with probability 1 - `continuation`; else divides its throughput by
+/// `continuation`. From 1 on, no path ends and no number is used.
+bool EndsByRoulette(Float continuation, Rng &rng, auto &throughput) {
+    if (!(continuation < 1)) return false;
+    if (rng.Uniform() >= continuation) return true;
+    throughput /= continuation;
+    return false;
+}
 
 }  // namespace pbrt

@@ -35,7 +35,6 @@ constexpr Float Gamma(int n) {
 }
 
 constexpr Float Radians(Float degrees) { return degrees * (Pi / 180); }
-constexpr Float Degrees(Float radians) { return radians * (180 / Pi); }
 
 template <class T>
 constexpr T Sqr(T v) {

@@ -89,8 +89,8 @@ struct CountParams {
     int64_t Size() const { return int64_t(x) * y * z; }
     void RequireSize(const ParamSet &set, const char *name, size_t found) const {
         if (int64_t(found) != Size())
-            throw set.Error(name, "\"{}\" has {} values; nx * ny * nz = {} x {} x {} = {} are wanted.", name, found, x,
-                            y, z, Size());
+            throw set.Error(name, "\"{}\" has {} values; nx * ny * nz = {} x {} x {} = {} are required.", name, found,
+                            x, y, z, Size());
     }
 };
 

@@ -30,7 +30,7 @@ class Sampler {
     explicit Sampler(const SamplerSettings &settings) : settings_(settings) {}
     virtual ~Sampler() = default;
     int SamplesPerPixel() const { return settings_.samplesPerPixel; }
-    void StartPixelSample(Point2i pixel, int sampleIndex, int dimension = 0) {
+    void StartPixelSample(Point2i pixel, int sampleIndex, int dimension = 0) {  ///< `dimension`: of the next Get
         next_ = end_ = 0;
         firstPrepared_ = StartSample(pixel, sampleIndex, dimension);
     }

@@ -146,7 +146,7 @@ class DirectiveReader {
         std::string message = fmt::format("Unknown directive: {}; {}{}.", shown, OldNameHint("directive", shown),
                                           ListChoices(shown, words));
         constexpr int kMax = 5;
-        if (++unknownWords_ == kMax) arguments_.Fail(word, message + " Too many unknown directives: giving up here.");
+        if (++unknownWords_ == kMax) arguments_.Fail(word, message + " Too many unknown directives: parsing ends.");
         Error(word, message);
         SkipToNextDirective();
     }

@@ -53,7 +53,7 @@ class Mesh : public Shape {
         return isMesh ? static_cast<const Mesh *>(&shape) : nullptr;
     }
     /// SurfaceOnRay in an instance, whose scale may differ by axis. `distance`: half extents, in the mesh's space, of
-    /// the ball around the ray's origin that reaches the hit.
+    /// the sphere around the ray's origin that reaches the hit.
     virtual SurfacePoint SurfaceInInstance(uint32_t primitive, const PrimitiveHit &hit, const Ray &ray,
                                            const Vector3 &distance) const = 0;
     SurfacePoint SurfaceOnRay(uint32_t primitive, const PrimitiveHit &hit, const Ray &ray) const final {

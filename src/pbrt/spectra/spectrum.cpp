@@ -76,7 +76,7 @@ DenseSpectrum::DenseSpectrum(const Spectrum &s) : values_(kNmCount) {
 }
 
 DenseSpectrum::DenseSpectrum(std::span<const Float> values) : values_(values.begin(), values.end()) {
-    PBRT_CHECK_MSG(values.size() == kNmCount, "{} values, {} wanted", values.size(), kNmCount);
+    PBRT_CHECK_MSG(values.size() == kNmCount, "{} values, {} required", values.size(), kNmCount);
     Summarise();
 }
 

@@ -15,6 +15,7 @@ inline constexpr Float LambdaMin = 360;  ///< nm
 inline constexpr Float LambdaMax = 830;  ///< nm
 inline constexpr int SpectrumSamples = 4;
 
+/// Values at the wavelengths of a SampledWavelengths.
 class SampledSpectrum {
   public:
     SampledSpectrum() : v_{} {}

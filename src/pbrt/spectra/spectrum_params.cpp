@@ -47,9 +47,9 @@ SpectrumPtr FromBlackbody(const Param &p) {
 
 SpectrumPtr FromSamples(std::span<const Float> samples, SpectrumUse use, const std::string &where, const FileLoc &loc) {
     auto fail = [&](const std::string &what) { throw UserError(loc, "{}: {}.", where, what); };
-    if (samples.empty()) fail("no samples; wavelength and value pairs are wanted");
+    if (samples.empty()) fail("no samples; wavelength and value pairs are required");
     if (samples.size() % 2 != 0)
-        fail(fmt::format("odd number of values ({}); wavelength and value pairs are wanted", samples.size()));
+        fail(fmt::format("odd number of values ({}); wavelength and value pairs are required", samples.size()));
     std::vector<Float> lambdas, values;
     for (size_t i = 0; i < samples.size(); i += 2) {
         if (!lambdas.empty() && !(samples[i] > lambdas.back()))
@@ -127,7 +127,7 @@ UserError NoLuminanceError(const ParamSet &set, const char *parameter, const Spe
         isBetween = emission(Float(double(i) / kStepsPerNm)) > 0;
     return set.Error(parameter,
                      "\"{}\" emits nothing that the eye can see, so it cannot be scaled to photometric units{}.",
-                     parameter, isBetween ? " (lines narrower than 1 nm between whole nanometres are not seen)" : "");
+                     parameter, isBetween ? " (lines narrower than 1 nm between whole nanometres have no effect)" : "");
 }
 
 }  // namespace pbrt

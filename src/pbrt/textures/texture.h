@@ -25,8 +25,8 @@ class FloatTexture {
   public:
     virtual ~FloatTexture() = default;
     virtual Float Evaluate(const TextureContext &ctx) const = 0;
-    virtual std::optional<Float> Constant() const { return {}; }
-    virtual bool UsesFootprint() const { return false; }
+    virtual std::optional<Float> Constant() const { return {}; }  ///< the value, if it is the same everywhere
+    virtual bool UsesFootprint() const { return false; }          ///< Evaluate reads the derivatives of its context
 };
 using FloatTexturePtr = std::shared_ptr<const FloatTexture>;
 
@@ -35,8 +35,8 @@ class SpectrumTexture {
   public:
     virtual ~SpectrumTexture() = default;
     virtual SampledSpectrum Evaluate(const TextureContext &ctx, const SampledWavelengths &lambda) const = 0;
-    virtual const Spectrum *Constant() const { return nullptr; }
-    virtual bool UsesFootprint() const { return false; }
+    virtual const Spectrum *Constant() const { return nullptr; }  ///< the same, owned by the texture, else null
+    virtual bool UsesFootprint() const { return false; }          ///< Evaluate reads the derivatives of its context
 };
 using SpectrumTexturePtr = std::shared_ptr<const SpectrumTexture>;
 

@@ -31,6 +31,11 @@ struct VertexSelection {
     }
 };
 
+/// MIS weight (power heuristic) of emission that a ray of density `pScatter` hits; `pLight`: VertexSelection::LightPdf.
+inline Float EmissionWeight(Float pScatter, Float pLight) {
+    return pLight > 0 ? PowerHeuristic(pScatter, pLight) : Float(1);
+}
+
 /// A path's records for a PathObserver, or none.
 struct ObservedPath {
     PathObserver *observer = nullptr;

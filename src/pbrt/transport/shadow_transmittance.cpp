@@ -7,7 +7,7 @@ namespace {
 
 /// Transmittance below which Russian roulette applies.
 constexpr Float kLittle = 0.05f;
-constexpr Float kSurvive = 0.25f;
+constexpr Float kContinuation = 0.25f;
 
 /// Ratio tracking through one medium. Returns false if no light remains.
 bool PassMedium(MediumOnRay on, Rng &rng, ShadowTransmittance *through) {
@@ -21,10 +21,8 @@ bool PassMedium(MediumOnRay on, Rng &rng, ShadowTransmittance *through) {
             ru *= tMaj * null / pdf;
             rl *= tMaj * majorant / pdf;
             if (!value) return false;
-            if ((value / (ru + rl).Average()).MaxComponent() < kLittle) {
-                if (rng.Uniform() >= kSurvive) value = SampledSpectrum(0);
-                else value /= kSurvive;
-            }
+            if ((value / (ru + rl).Average()).MaxComponent() < kLittle && EndsByRoulette(kContinuation, rng, value))
+                value = SampledSpectrum(0);
             return bool(value);
         });
     if (!value || !(rest[0] > 0)) {

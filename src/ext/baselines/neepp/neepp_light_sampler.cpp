@@ -36,14 +36,14 @@ void ForPointsOn(const Shape &shape, uint32_t primitive, const VoxelGrid &grid, 
 }
 }  // namespace
 
-uint32_t LightTargets::EnvironmentPartOf(const Vector3 &w) {
+uint32_t LightTargets::EnvironmentCellOf(const Vector3 &w) {
     const Point2i cell =
         glm::clamp(Point2i(EqualAreaSphereToSquare(w) * Float(kEnvironmentSide)), 0, kEnvironmentSide - 1);
     return uint32_t(cell.x + kEnvironmentSide * cell.y);
 }
 
-Vector3 LightTargets::DirectionIn(uint32_t part, const Point2 &u) {
-    Point2 corner(part % kEnvironmentSide, part / kEnvironmentSide);
+Vector3 LightTargets::DirectionIn(uint32_t cell, const Point2 &u) {
+    Point2 corner(cell % kEnvironmentSide, cell / kEnvironmentSide);
     return EqualAreaSquareToSphere((corner + u) / Float(kEnvironmentSide));
 }
 
@@ -52,7 +52,7 @@ class LightTargets::Builder {
   public:
     Builder(const Scene &scene, const VoxelGrid &grid)
         : lights_(scene.Lights()), grid_(grid), bounds_(scene.Bounds().IsEmpty() ? Bounds3(Point3(0)) : scene.Bounds()),
-          ofVoxel_(grid.Size(), kNone), ofEnvironmentPart_(kEnvironmentSide * kEnvironmentSide, kNone) {}
+          ofVoxel_(grid.Size(), kNone), ofEnvironmentCell_(kEnvironmentSide * kEnvironmentSide, kNone) {}
 
     /// `share`: of the light in its group.
     void Add(LightId id, double share) {
@@ -73,11 +73,11 @@ class LightTargets::Builder {
                 Point2 u(RadicalInverse(2, k), RadicalInverse(3, k));
                 std::optional<LightLiSample> s = light.SampleLi(from, u, SampledWavelengths::WholeRange(), true);
                 if (s && s->L && s->pdf > 0)
-                    weights_[SharedTarget(Kind::EnvironmentPart, EnvironmentPartOf(s->wi))] += 1;
+                    weights_[SharedTarget(Kind::EnvironmentCell, EnvironmentCellOf(s->wi))] += 1;
             }
         } else if (const ShapePrimitive at = light.Surface(); at.shape) {
-            ForPointsOn(*at.shape, at.primitive, grid_, [&](const Point3 &p, Float part) {
-                weights_[SharedTarget(Kind::Voxel, grid_.Index(p))] += share * double(part);
+            ForPointsOn(*at.shape, at.primitive, grid_, [&](const Point3 &p, Float weight) {
+                weights_[SharedTarget(Kind::Voxel, grid_.Index(p))] += share * double(weight);
             });
         } else if (candidate.bounds) {
             weights_[SharedTarget(Kind::Voxel, grid_.Index(candidate.bounds->Centroid()))] += share;
@@ -101,14 +101,14 @@ class LightTargets::Builder {
         return uint32_t(made_.targets_.size() - 1);
     }
     uint32_t SharedTarget(Kind kind, uint32_t index) {
-        uint32_t &target = (kind == Kind::Voxel ? ofVoxel_ : ofEnvironmentPart_)[index];
+        uint32_t &target = (kind == Kind::Voxel ? ofVoxel_ : ofEnvironmentCell_)[index];
         return target != kNone ? target : target = AddTarget({kind, index, {}});
     }
 
     const LightTable &lights_;
     const VoxelGrid &grid_;
     const Bounds3 bounds_;
-    std::vector<uint32_t> ofVoxel_, ofEnvironmentPart_;  ///< targets
+    std::vector<uint32_t> ofVoxel_, ofEnvironmentCell_;  ///< targets
     std::map<uint32_t, double> weights_;                 ///< of the group's targets
     LightTargets made_;
 };
@@ -163,7 +163,7 @@ void NeeppLightSampler::TestSegments(uint32_t voxel, std::span<uint8_t> row) con
                     ray.tMax = 1;
                     break;
                 case LightTargets::Kind::Direction: ray.d = target.direction; break;
-                case LightTargets::Kind::EnvironmentPart:
+                case LightTargets::Kind::EnvironmentCell:
                     ray.d = LightTargets::DirectionIn(target.index, rng.Uniform2());
                     break;
             }
@@ -209,17 +209,17 @@ void NeeppLightSampler::Report(nlohmann::ordered_json &report) const {
 
 void NeeppLightSampler::Inspect(const LightQuery &query, std::vector<InspectedValue> &values) const {
     Float mean = 0;
-    uint32_t voxel = grid_.Index(query.p), seen = 0;
+    uint32_t voxel = grid_.Index(query.p), visible = 0;
     if (IsPrepared()) {
         std::span<const uint8_t> row = Row(voxel);
         for (uint32_t g = 0; g < groups_.Size(); ++g) {
             Float v = GroupVisibility(row, g);
             mean += v / Float(groups_.Size());
-            seen += v > 0;
+            visible += v > 0;
         }
     }
     values.push_back({"voxel", double(voxel), true});
-    values.push_back({"groups with any visibility", double(seen), false});
+    values.push_back({"groups with any visibility", double(visible), false});
     values.push_back({"mean visibility of the groups", double(mean), false});
 }
 

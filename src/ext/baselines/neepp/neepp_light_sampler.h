@@ -14,7 +14,7 @@ class LightTargets {
   public:
     static constexpr int kEnvironmentSide = 8;  ///< cells per side of the sphere's equal-area square
 
-    enum class Kind : uint8_t { Voxel, Direction, EnvironmentPart };
+    enum class Kind : uint8_t { Voxel, Direction, EnvironmentCell };
     struct Target {
         Kind kind = Kind::Voxel;
         uint32_t index = 0;   ///< voxel or cell of the sphere
@@ -38,8 +38,8 @@ class LightTargets {
         return {shares_.data() + first_[group], shares_.data() + first_[group + 1]};
     }
 
-    static uint32_t EnvironmentPartOf(const Vector3 &w);         ///< cell of the sphere that contains the unit vector w
-    static Vector3 DirectionIn(uint32_t part, const Point2 &u);  ///< unit vector in a cell of the sphere; u in [0, 1)^2
+    static uint32_t EnvironmentCellOf(const Vector3 &w);         ///< cell of the sphere that contains the unit vector w
+    static Vector3 DirectionIn(uint32_t cell, const Point2 &u);  ///< unit vector in a cell of the sphere; u in [0, 1)^2
     size_t Bytes() const;
 
   private:
@@ -58,7 +58,7 @@ struct NeeppParams {
     void Describe(auto &&v) {
         v("voxels", voxels, Range<int>{1, 128}, "voxels along the longest axis of the scene");
         v("samples", samples, Range<int>{1, 255}, "segments tested for a pair of voxels");
-        v("floor", floor, Range<Float>{1e-4f, 1.f}, "least visibility assumed of any light");
+        v("floor", floor, Range<Float>{1e-4f, 1.f}, "minimum visibility of a light");
         v("meshlights", meshlights, "an emissive mesh is one light for selection");
     }
 };

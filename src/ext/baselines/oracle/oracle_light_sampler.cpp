@@ -175,11 +175,11 @@ Float OracleLightSampler::GroupProbability(const LightQuery &query, const void *
 }
 
 void OracleLightSampler::Inspect(const LightQuery &query, std::vector<InspectedValue> &values) const {
-    size_t seen = 0;
+    size_t visible = 0;
     LightMemory memory;
     const Float *cdf = scene_ && groups_.Size() > 1 ? Measure(query, memory) : nullptr;
-    for (uint32_t g = 0; cdf && g < groups_.Size(); ++g) seen += CdfPMF({cdf, groups_.Size()}, g) > 0;
-    values.push_back({"lights seen", double(seen), false});
+    for (uint32_t g = 0; cdf && g < groups_.Size(); ++g) visible += CdfPMF({cdf, groups_.Size()}, g) > 0;
+    values.push_back({"visible lights", double(visible), false});
 }
 
 void OracleLightSampler::Report(nlohmann::ordered_json &report) const {
@@ -199,6 +199,6 @@ void register_oracle(pbrt::PluginRegistry &registry) {
     using namespace ext;
     registry.Add<OracleLightSampler, OracleParams>(
         "oracle",
-        "Measuring instrument, slow: traces shadow rays to every light at every point for the choice of least variance.",
+        "Measuring instrument, slow: traces shadow rays to every light at every point for the choice of minimum variance.",
         {.isInstrument = true});
 }

@@ -41,7 +41,7 @@ struct OracleParams {
         v("samples", samples, Range<int>{1, 4096}, "shadow rays to every light, each time a light is chosen");
         v("floor", floor, Range<Float>{1e-4f, 1.f},
           "share of the probability that follows unoccluded importance alone");
-        v("mis", mis, "least variance of light and BSDF sampling combined; false: of light sampling alone");
+        v("mis", mis, "minimum variance of light and BSDF sampling combined; false: of light sampling alone");
         v("meshlights", meshlights,
           "an emissive mesh is one light for selection; false: every primitive is a light, with shadow rays of its "
           "own");

@@ -30,7 +30,7 @@ const char *const kFooter =
     "pbrt --list-lightsamplers lists all with their parameters. Commas or semicolons separate samplers; a comma "
     "before\n"
     "key=value continues the same sampler.\n\n"
-    "The reference is rendered with the sampler that has the least variance in a short pilot run, with --time that in\n"
+    "The reference is rendered with the sampler that has the lowest variance in a short pilot run, with --time that in\n"
     "equal time. If it is compared, a second reference, rendered with the next best, judges it. References are kept in\n"
     "the cache folder as <scene>.reference-<hash>.exr; the hash covers the whole scene. A reference takes\n"
     "16 n samples for --spp n, at least 512, and about 10 t seconds for --time t.\n\n"
@@ -125,7 +125,7 @@ void AddAllFlags(CLI::App &app, LightlabOptions &o, RawFlags &raw, const std::ve
          {"--seeds", c.seeds, "independent runs of every sampler (3)", PositiveNumber},
          {"--nthreads", o.threads, "threads (0: all cores)", NonNegativeNumber},
          {"--selection-work", c.selectionWork,
-          "most lights drawn for every sampler in the bias check of light selection at vertices of paths (1e8, some "
+          "maximum lights drawn for every sampler in the bias check of light selection at vertices of paths (1e8, some "
           "10 to 50 s; 0: only images are checked)",
           NonNegativeNumber}});
     AddFlags(

@@ -75,15 +75,15 @@ int Assemble(const CombineOptions &o) {
 
 constexpr const char *kIncomplete = ", and --incomplete makes the image of the samples that there are";
 
-struct Part {
+struct PartialRender {
     std::string path;
     RenderFileHead head;
     std::string Range() const { return fmt::format("{}:{}", head.first, head.done); }
 };
 
 /// The part without its sums, which are not in memory for all parts at once.
-Part ReadPart(const std::string &path, bool incomplete) {
-    Part part{path, RenderFile(path).Head()};
+PartialRender ReadPartialRender(const std::string &path, bool incomplete) {
+    PartialRender part{path, RenderFile(path).Head()};
     RenderFileHead &head = part.head;
     const bool isEndOpen = head.end == 0;  // of a render with --time or --noise
     if (isEndOpen && !head.metadata.attributes.contains("pbrt.interrupted")) head.end = head.done;
@@ -96,7 +96,7 @@ Part ReadPart(const std::string &path, bool incomplete) {
     return part;
 }
 
-void CheckSameRender(const Part &one, const Part &other) {
+void CheckSameRender(const PartialRender &one, const PartialRender &other) {
     const RenderFileHead &a = other.head, &b = one.head;
     std::string differences = DifferencesOf(a.identity, b.identity, one.path);
     if (std::tie(a.samplesFlag, a.samplesPerBatch) != std::tie(b.samplesFlag, b.samplesPerBatch))
@@ -107,17 +107,17 @@ void CheckSameRender(const Part &one, const Part &other) {
 }
 
 /// `parts` are sorted. Returns their total number of samples.
-int CheckCover(const std::vector<Part> &parts, bool incomplete) {
+int CheckCover(const std::vector<PartialRender> &parts, bool incomplete) {
     std::string problems;
     int next = 0, total = 0, all = 0;
-    const Part *before = nullptr;
+    const PartialRender *before = nullptr;
     bool isMissing = false;
     const auto missing = [&](int first, int end) {
         if (incomplete) LogWarning("the samples {}:{} are missing.", first, end);
         else problems += fmt::format("The samples {}:{} are in no file. ", first, end);
         isMissing = true;
     };
-    for (const Part &part : parts) {
+    for (const PartialRender &part : parts) {
         const RenderFileHead &head = part.head;
         if (head.first > next) missing(next, head.first);
         if (before && head.first < next)
@@ -140,17 +140,17 @@ int CheckCover(const std::vector<Part> &parts, bool incomplete) {
 
 int Merge(const CombineOptions &o) {
     CheckImageName(o.outfile, {});
-    std::vector<Part> parts;
+    std::vector<PartialRender> parts;
     for (const std::string &path : o.paths) {
-        parts.push_back(ReadPart(path, o.incomplete));
+        parts.push_back(ReadPartialRender(path, o.incomplete));
         CheckSameRender(parts[0], parts.back());
     }
     std::stable_sort(parts.begin(), parts.end(),
-                     [](const Part &a, const Part &b) { return a.head.first < b.head.first; });
+                     [](const PartialRender &a, const PartialRender &b) { return a.head.first < b.head.first; });
     const int samples = CheckCover(parts, o.incomplete);
     const std::unique_ptr<Film> film = parts[0].head.film.Make();
     double seconds = 0;
-    for (const Part &part : parts) {
+    for (const PartialRender &part : parts) {
         RenderFile(part.path).MergeFilm(*film);
         seconds += part.head.renderSeconds;
     }

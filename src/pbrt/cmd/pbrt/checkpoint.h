@@ -27,7 +27,7 @@ class Checkpoint {
         c.isEndOpen_ = c.isTimed_ || options.noise > 0;
         const bool exists = FileExists(c.path_);
         if (exists && !options.resume)
-            throw UserError("{}: exists already; use --resume, or remove it to begin anew.", c.path_);
+            throw UserError("{}: exists already; use --resume, or delete it to start again.", c.path_);
         CheckWritable(c.path_);
         c.head_.identity = IdentityOf(*build, options.sceneFiles, d);
         if (!lightsHash.empty()) c.head_.identity["--load-lights"] = fmt::format("a file with the hash {}", lightsHash);

@@ -79,7 +79,7 @@ class Session : public std::enable_shared_from_this<Session> {
         const std::string path(request_.target());
         if (!HasLocalHost()) return SendText(http::status::forbidden, "text/plain", "This page is for localhost.\n");
         if (request_.method() != http::verb::get)
-            return SendText(http::status::method_not_allowed, "text/plain", "Only GET is answered.\n");
+            return SendText(http::status::method_not_allowed, "text/plain", "Only GET is supported.\n");
         if (path == "/") return SendText(http::status::ok, "text/html; charset=utf-8", kLivePageText);
         if (path == "/status") return SendText(http::status::ok, "application/json", shared_.StatusText());
         if (path == "/picture")

@@ -143,7 +143,7 @@ void ShowInTev(LiveBoard &board, const std::string &server) {
     const auto complain = [&](const char *what) {
         LogWarning("--display-server {}: {} ({}); the render continues without it.", server, what, viewer.Failure());
     };
-    if (!viewer.IsOpen()) return complain("no viewer answers");
+    if (!viewer.IsOpen()) return complain("no viewer responds");
     int version = 0;
     for (;;) {
         const std::shared_ptr<const LiveImage> image = board.WaitBeyond(version, 3600);

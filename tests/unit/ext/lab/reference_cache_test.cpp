@@ -195,6 +195,14 @@ TEST_F(Experiment, ContinuedPhotonMappingHasTheRadiusOfLaterIterations) {
     }
 }
 
+TEST_F(Experiment, PixelsOfAdaptiveScenesHaveTheSameNumberOfSamples) {
+    std::string text = ThreeLights();
+    text.insert(text.find("\"path\"") + 6, " \"bool adaptive\" true");
+    Write("scene.pbrt", text);
+    Progress progress;
+    EXPECT_EQ(LoadLabScene(Settings("out", {"uniform"}), registry_, progress).built.half, nullptr);
+}
+
 TEST_F(Experiment, GivenReferenceIsUsedAsItIs) {
     Run(Settings("one", {"power"}));
     ExperimentSettings settings = Settings("two", {"uniform"});

@@ -140,8 +140,8 @@ void ExpectCells(const std::vector<RunningStatistics> &cells, const Stack<Base> 
     for (size_t c = 0; c < cells.size(); ++c) {
         if (c == left) continue;
         EXPECT_LT(ZOfDifference(cells[c], twin[c], 1e-5), kMax)
-            << stack.name << " theta " << Degrees(SafeACos(wo.z)) << " cell " << c << ": " << cells[c].mean << " twin "
-            << twin[c].mean;
+            << stack.name << " theta " << SafeACos(wo.z) / Radians(1) << " cell " << c << ": " << cells[c].mean
+            << " twin " << twin[c].mean;
     }
 }
 

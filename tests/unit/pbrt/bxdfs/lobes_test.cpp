@@ -78,7 +78,7 @@ TEST(Lobes, SamplesFollowTheirDensity) {
                 double p = 0, mass = 2;
                 for (auto [quadrature, fine] : {std::pair(16, 0), {16, 80}, {80, 320}})
                     if (!(p > level && mass <= 1.01)) p = DirectionTest(draw, pdf, 20000, quadrature, &mass, fine);
-                EXPECT_GT(p, level) << name << " theta " << Degrees(SafeACos(wo.z)) << " sides " << int(which);
+                EXPECT_GT(p, level) << name << " theta " << SafeACos(wo.z) / Radians(1) << " sides " << int(which);
                 EXPECT_LE(mass, 1.01) << name;
             }
     });

@@ -59,6 +59,25 @@ TEST(Rng, UniformIsUniformAndBelowOne) {
     EXPECT_GT(test::ChiSquareTest(integers, seventh), alpha);
 }
 
+TEST(Roulette, KeepsTheMeanAndNoNumberIsUsedWherePathsGoOn) {
+    Rng rng(8);
+    constexpr int kPaths = 100000;
+    double sum = 0;
+    int ended = 0;
+    for (int i = 0; i < kPaths; ++i) {
+        Float throughput = 3;
+        if (EndsByRoulette(Float(0.25), rng, throughput)) ++ended;
+        else sum += double(throughput);
+    }
+    EXPECT_NEAR(ended / double(kPaths), 0.75, 0.01);
+    EXPECT_NEAR(sum / kPaths, 3, 0.1);
+    Rng next = rng;
+    Float throughput = 3;
+    EXPECT_FALSE(EndsByRoulette(1, rng, throughput));
+    EXPECT_EQ(throughput, 3);
+    EXPECT_EQ(rng.Next(), next.Next());
+}
+
 TEST(Hash, DependsOnEveryArgumentAndTheirOrder) {
     std::set<uint64_t> seen;
     int n = 0;

@@ -35,7 +35,7 @@ Made Make(const std::string &lights, bool grouped = true) {
     return m;
 }
 
-/// True if the light's group covers the voxel or part of the sky.
+/// True if the light's group covers the voxel or cell of the sky.
 bool Covers(const Made &m, LightId light, uint32_t index) {
     const auto shares = m.targets.SharesOf(m.built.scene->Lights().ByLight().GroupOf(light));
     return std::any_of(shares.begin(), shares.end(),
@@ -106,14 +106,14 @@ TEST(LightTargets, ADistantLightIsADirection) {
 const std::string kSky = std::string("LightSource \"infinite\" \"string filename\" \"") + PBRT_SOURCE_DIR +
                          "/tests/conformance/suite/scenes/assets/env_sky.exr\"";
 
-TEST(LightTargets, TheEnvironmentIsInEqualPartsThatCoverItsSamples) {
+TEST(LightTargets, TheEnvironmentIsInEqualCellsThatCoverItsSamples) {
     Rng rng(6);
     for (int i = 0; i < 64 * 50; ++i) {
-        auto part = uint32_t(i % 64);
+        auto cell = uint32_t(i % 64);
         Point2 u(0.01f + 0.98f * rng.Uniform(), 0.01f + 0.98f * rng.Uniform());
-        EXPECT_EQ(LightTargets::EnvironmentPartOf(LightTargets::DirectionIn(part, u)), part);
+        EXPECT_EQ(LightTargets::EnvironmentCellOf(LightTargets::DirectionIn(cell, u)), cell);
     }
-    // The weight of a part is the share of the light's samples that go there.
+    // The weight of a cell is the share of the light's samples that go there.
     Made m = Make(kSky);
     EXPECT_GT(m.targets.Size(), 8u);
     EXPECT_LE(m.targets.Size(), 64u);
@@ -123,15 +123,15 @@ TEST(LightTargets, TheEnvironmentIsInEqualPartsThatCoverItsSamples) {
     for (int i = 0; i < 20000; ++i) {
         auto s = m.built.scene->Lights()[LightId(0u)].SampleLi({.p = {1, 0, 1}}, rng.Uniform2(), lambda, true);
         ASSERT_TRUE(s);
-        const uint32_t part = LightTargets::EnvironmentPartOf(s->wi);
-        value[part] += 1;
+        const uint32_t cell = LightTargets::EnvironmentCellOf(s->wi);
+        value[cell] += 1;
         all += 1;
-        if (!Covers(m, LightId(0u), part)) unexpected += 1;
+        if (!Covers(m, LightId(0u), cell)) unexpected += 1;
     }
     EXPECT_LT(unexpected, 0.01 * all);
     double sum = 0;
     for (const LightTargets::Share &s : m.targets.SharesOf(0)) {
-        EXPECT_EQ(m.targets[s.target].kind, Kind::EnvironmentPart);
+        EXPECT_EQ(m.targets[s.target].kind, Kind::EnvironmentCell);
         EXPECT_NEAR(double(s.weight), value[m.targets[s.target].index] / all, 0.01);
         sum += double(s.weight);
     }

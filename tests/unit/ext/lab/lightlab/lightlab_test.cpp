@@ -275,7 +275,7 @@ TEST_F(Lightlab, AFailureOfStandardOutputIsAnError) {
                                   "--reference-spp 8 --selection-work 0 --no-report"}) {
         const Outcome o = Run(arguments);
         EXPECT_EQ(o.status, 1) << arguments;
-        ExpectWords(o.err, {"Error: the standard output cannot be written"});
+        ExpectWords(o.err, {"Error:", "standard output"});
     }
 }
 

@@ -95,7 +95,7 @@ TEST_F(Imgtool, AFailureOfStandardOutputIsAnError) {
     for (const char *arguments : {"--version", "help diff", "info a.exr", "info --json a.exr"}) {
         const Outcome o = Run(arguments);
         EXPECT_EQ(o.status, 1) << arguments;
-        ExpectWords(o.err, {"Error: the standard output cannot be written"});
+        ExpectWords(o.err, {"Error:", "standard output"});
     }
 }
 

@@ -30,7 +30,7 @@ TEST_F(Flags, UnknownFlagsAndBadValuesAreErrors) {
                   {"scene.pbrt --pixel 2147483647,0", {"--pixel", "\"2147483647\" is not an integer from 0 to"}},
                   {"--pixel 3,4 --cropwindow 0,1,0,1 scene.pbrt", {"--cropwindow and --pixel exclude each other"}},
                   {"--pixel 3,4 --pixelbounds 0,9,0,9 scene.pbrt", {"--pixelbounds and --pixel exclude each other"}},
-                  {"--pixel 40,3 scene.pbrt", {"line: No pixel is left to render: pixel bounds x 40 to 41, y 3 to 4"}},
+                  {"--pixel 40,3 scene.pbrt", {"line: ", "x 40 to 41", "y 3 to 4"}},
                   {"--spp 0 scene.pbrt", {"--spp", "--help"}},
                   {"--spp many scene.pbrt", {"--spp", "many"}},
                   {"--quick=maybe scene.pbrt", {"--quick", "maybe", "true nor false"}},
@@ -338,7 +338,7 @@ TEST_F(Flags, AFailureOfStandardOutputIsAnError) {
                                   "--spp 1 --stats=json --outfile out.exr scene.pbrt"}) {
         const Outcome o = Run(arguments);
         EXPECT_EQ(o.status, 1) << arguments;
-        ExpectWords(o.err, {"Error: the standard output cannot be written"});
+        ExpectWords(o.err, {"Error:", "standard output"});
     }
     EXPECT_TRUE(Exists("out.exr"));
 }

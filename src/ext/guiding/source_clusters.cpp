@@ -4,7 +4,7 @@
 #include <numbers>
 
 #include "pbrt/math/frame.h"
-#include "pbrt/math/simd_ops.h"
+#include "pbrt/math/lanes.h"
 
 namespace ext {
 namespace {
@@ -19,8 +19,8 @@ constexpr size_t kPlaces = 128;         ///< positions over which cluster solid 
 
 using Ops = SimdOps<GuideDirections::kLanes>;
 using F = Ops::F;
-F Load(const Float *v) { return Ops::LoadAligned(v); }
-void Store(const F &v, Float *to) { Ops::StoreAligned(v, to); }
+F Load(const Float *v) { return Ops::Load(v); }
+void Store(const F &v, Float *to) { Ops::Store(v, to); }
 
 /// Offset below `end`, a multiple of `stride`, of the weight that contains *left, in [0, sum of the weights). Makes
 /// *left relative to its start. If rounding puts *left past the sum: the last positive weight.

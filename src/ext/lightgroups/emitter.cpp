@@ -1,7 +1,7 @@
 #include "ext/lightgroups/emitter.h"
 
 #include "pbrt/lights/environment_light.h"
-#include "pbrt/math/simd_ops.h"
+#include "pbrt/math/lanes.h"
 
 namespace ext {
 namespace {
@@ -33,7 +33,7 @@ void FindMoments(const LightComponent &light, double unit, Emitter *e) {
 using Ops = SimdOps<EmitterPacket::kLanes>;
 using F = Ops::F;
 using Row = EmitterRow;
-F Load(const EmitterPacket &e, size_t field) { return Ops::LoadAligned(e.field[field]); }
+F Load(const EmitterPacket &e, size_t field) { return Ops::Load(e.field[field]); }
 
 /// Mean clamped cosine over an emitter with direction cosines in [c - s, c + s] (see G); c and s times the distance.
 [[gnu::always_inline]] inline F MeanCosine(const F &c, const F &s, const F &quarterInvS) {
@@ -164,7 +164,7 @@ void EmitterPacket::Set(size_t lane, const Emitter &emitter) {
     return Ops::Sum(sum);
 }
 
-Float EmitterPacket::Sum(const Float *g) { return Ops::Sum(Ops::LoadAligned(g)); }
+Float EmitterPacket::Sum(const Float *g) { return Ops::Sum(Ops::Load(g)); }
 
 void Gather(const EmitterRow *rows, const uint32_t *names, size_t count, EmitterPacket *packet) {
     static const EmitterRow nothing;

@@ -7,7 +7,7 @@
 
 #include <nlohmann/json.hpp>
 
-#include "pbrt/math/simd_ops.h"
+#include "pbrt/math/lanes.h"
 
 namespace pbrt {
 namespace {
@@ -164,7 +164,7 @@ LightBvhNode LightBvhBlock::Node(uint32_t lane) const {
         const auto numbers = __builtin_convertvector(codes, LanesOf<int32_t, kLanes>);
         alignas(F) Float v[kLanes];
         StoreLanes(__builtin_convertvector(numbers, LanesOf<Float, kLanes>), v);
-        return Ops::LoadAligned(v) * F(2 / kSteps) - F(1);
+        return Ops::Load(v) * F(2 / kSteps) - F(1);
     };
     auto withSign = [](const F &size, const F &sign) { return Ops::Select(sign < F(0), -size, size); };
 

@@ -1,7 +1,7 @@
 #pragma once
 #include "pbrt/lights/light_bounds.h"
 #include "pbrt/lightsamplers/group_light_sampler.h"
-#include "pbrt/math/simd_ops.h"
+#include "pbrt/math/lanes.h"
 
 namespace pbrt {
 

@@ -1,4 +1,5 @@
 #pragma once
+#include <cmath>
 #include <cstdint>
 #include <cstring>
 
@@ -6,8 +7,7 @@
 
 namespace pbrt {
 
-// SIMD integers and floats by the vector extensions of GCC and Clang: same results on every machine. Floats with roots
-// and selections: simd_ops.h.
+// SIMD integers and floats by the vector extensions of GCC and Clang.
 
 // 32 bytes, as AVX2 has: g++ shuffles vectors that are longer than the machine's lane by lane, in memory.
 using Lanes64 = uint64_t __attribute__((vector_size(32)));    ///< 4 lanes
@@ -25,6 +25,67 @@ struct LanesOf {
 /// N lanes, a power of two.
 template <class T, int N>
 using LanesOf = typename detail::LanesOf<T, N>::Type;
+
+/// Arithmetic of N floats: F has operators and conversion from Float; comparisons return Mask. Always inlined, as a
+/// call would spill all registers.
+template <int N>
+struct SimdOps {
+    using Mask = LanesOf<int32_t, N>;  ///< all bits of a lane, or none
+    class F {
+      public:
+        F() = default;
+        [[gnu::always_inline]] F(Float v) : v_(v - Lanes{}) {}
+        [[gnu::always_inline]] F &operator+=(const F &o) { return v_ += o.v_, *this; }
+        [[gnu::always_inline]] friend F operator-(const F &a) { return -a.v_; }
+        [[gnu::always_inline]] friend F operator+(const F &a, const F &b) { return a.v_ + b.v_; }
+        [[gnu::always_inline]] friend F operator-(const F &a, const F &b) { return a.v_ - b.v_; }
+        [[gnu::always_inline]] friend F operator*(const F &a, const F &b) { return a.v_ * b.v_; }
+        [[gnu::always_inline]] friend F operator/(const F &a, const F &b) { return a.v_ / b.v_; }
+        [[gnu::always_inline]] friend Mask operator<(const F &a, const F &b) { return a.v_ < b.v_; }
+        [[gnu::always_inline]] friend Mask operator>(const F &a, const F &b) { return a.v_ > b.v_; }
+        [[gnu::always_inline]] friend Mask operator<=(const F &a, const F &b) { return a.v_ <= b.v_; }
+        [[gnu::always_inline]] friend Mask operator>=(const F &a, const F &b) { return a.v_ >= b.v_; }
+        [[gnu::always_inline]] friend Mask operator==(const F &a, const F &b) { return a.v_ == b.v_; }
+        [[gnu::always_inline]] friend Mask operator!=(const F &a, const F &b) { return a.v_ != b.v_; }
+
+      private:
+        friend SimdOps;
+        using Lanes = LanesOf<Float, N>;
+        [[gnu::always_inline]] F(Lanes v) : v_(v) {}
+        Lanes v_;
+    };
+    [[gnu::always_inline]] static F Load(const Float *v) {
+        F f;
+        std::memcpy(&f, v, sizeof(f));
+        return f;
+    }
+    [[gnu::always_inline]] static void Store(const F &v, Float *to) { std::memcpy(to, &v, sizeof(v)); }
+    [[gnu::always_inline]] static F Min(const F &a, const F &b) { return Select(a < b, a, b); }
+    [[gnu::always_inline]] static F Max(const F &a, const F &b) { return Select(a > b, a, b); }
+    [[gnu::always_inline]] static F Select(const Mask &c, const F &ifTrue, const F &ifFalse) {
+        return c ? ifTrue.v_ : ifFalse.v_;
+    }
+    [[gnu::always_inline]] static F Sqrt(const F &a) {
+        F r;
+        for (int i = 0; i < N; ++i) r.v_[i] = std::sqrt(a.v_[i]);
+        return r;
+    }
+    [[gnu::always_inline]] static F Abs(const F &a) {
+        F r;
+        for (int i = 0; i < N; ++i) r.v_[i] = std::abs(a.v_[i]);
+        return r;
+    }
+    [[gnu::always_inline]] static bool Any(const Mask &c) {
+        int32_t any = 0;
+        for (int i = 0; i < N; ++i) any |= c[i];
+        return any != 0;
+    }
+    [[gnu::always_inline]] static Float Sum(const F &a) {
+        static_assert(N == 8);
+        const auto half = [&](int i) { return a.v_[i] + a.v_[i + 4]; };
+        return (half(0) + half(3)) + (half(1) + half(2));
+    }
+};
 
 template <class Lanes, class T>
 inline Lanes LoadLanes(const T *from) {

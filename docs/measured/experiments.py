@@ -199,7 +199,9 @@ def finish(a, head, rows, experiments):
     """Prints the table and writes it to --csv, with its origin. Returns the exit status: 1 if an experiment failed."""
     results = [e.results for e in experiments]
     machines = {str((r.get("machine") or {}).get("cpu") or "unknown") for r in results}
+    seeds = ", ".join(map(str, sorted({r["seeds"] for r in results})))
     print(data.text(head, rows, {}))
     if a.csv:
-        data.write(a.csv, head, rows, data.origin(results=results, machine=", ".join(sorted(machines)), metric="relL2"))
+        data.write(a.csv, head, rows, data.origin(results=results, machine=", ".join(sorted(machines)), seeds=seeds,
+                                                  metric="relL2"))
     return 1 if failed else 0

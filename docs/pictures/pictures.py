@@ -70,14 +70,14 @@ def pixels(tools, exr, channel=None):
     return values.reshape(height, width, depth)[::-1]
 
 
-def exposure(values):
-    """The factor that makes a picture visible."""
+def exposure(values, below_white=BELOW_WHITE):
+    """The factor that makes a picture visible; this part of its lit pixels stays below white."""
     import numpy
     luminance = values @ numpy.array(LUMINANCE)
     lit = luminance[luminance > 0]
     if not lit.size:
         return 1.0
-    return float(min(MID_GREY / numpy.median(lit), 1 / max(numpy.quantile(lit, BELOW_WHITE), 1e-30)))
+    return float(min(MID_GREY / numpy.median(lit), 1 / max(numpy.quantile(lit, below_white), 1e-30)))
 
 
 def shown(values, factor):

@@ -254,19 +254,21 @@ LIGHTS = [
     light("distant", "distant", 'LightSource "distant" "point3 from" [ -2 -2 3 ] "rgb L" [ 3 2.8 2.4 ]',
           of=("lights", "distant")),
     light("goniometric", "goniometric", 'Translate 0 .9 1.2 Rotate 90 1 0 0\n'
-          'LightSource "goniometric" "string filename" "lobes.png" "float scale" 4', stage="", of=("lights", "goniometric")),
+          'LightSource "goniometric" "string filename" "lobes.png" "float scale" 4', stage="", show=("--exposure", "1.5"),
+          of=("lights", "goniometric")),
     light("projection", "projection", 'Translate 0 -4 1.8 Rotate -90 1 0 0\n'
           'LightSource "projection" "string filename" "slide.png" "float fov" 34 "float scale" 60',
-          stage=f"{GREY}\nScale .6 .6 .6 {KNOT}", of=("lights", "projection")),
+          stage=f"{GREY}\nScale .6 .6 .6 {KNOT}", show=("--exposure", "1"), of=("lights", "projection")),
     light("area", "diffuse area light", 'Translate -1.6 -.8 2.2 AreaLightSource "diffuse" "rgb L" [ 8 7 5 ]\n'
-          'Shape "sphere" "float radius" .3', of=("arealights", "diffuse")),
+          'Shape "sphere" "float radius" .3', show=("--exposure", "1"), of=("arealights", "diffuse")),
     light("area-image", "area light with an image",
           'AreaLightSource "diffuse" "string filename" "slide.png" "float scale" 3\n'
           'Shape "bilinearmesh" "string emissionfilename" "slide.png" '
-          '"point3 P" [ .7 1.9 .5  1.9 .6 .5  .7 1.9 1.9  1.9 .6 1.9 ]', stage=f"{GREY}\nTranslate -.6 -.3 0 {KNOT}"),
+          '"point3 P" [ .7 1.9 .5  1.9 .6 .5  .7 1.9 1.9  1.9 .6 1.9 ]', stage=f"{GREY}\nTranslate -.6 -.3 0 {KNOT}",
+          show=("--exposure", "1.5")),
     light("area-invisible", "area light, alpha 0",
           'Translate -1.6 -.8 2.2 AreaLightSource "diffuse" "rgb L" [ 8 7 5 ]\n'
-          'Shape "sphere" "float radius" .3 "float alpha" 0'),
+          'Shape "sphere" "float radius" .3 "float alpha" 0', show=("--exposure", "1")),
     Picture("infinite", "infinite, imgtool makesky", f'Material "conductor" "float roughness" .01\n{KNOT}',
             camera='LookAt 0 -6.2 1  0 0 1.3  0 0 1\nCamera "perspective" "float fov" 32',
             light='AttributeBegin Rotate 120 0 0 1\nLightSource "infinite" "string filename" "sky.exr" '
@@ -318,11 +320,11 @@ FILMS = [
     Picture("sensor", "sensor of a camera, white balance", f"{CARD}{KNOT}",
             film=FILM + ' "string sensor" "nikon_d850" "float whitebalance" 4200'),
     Picture("bloom", "imgtool bloom", f"{GREY}\n{KNOT}",
-            after=(("bloom", "--level", "3", "--width", "25", "--scale", ".5"),),
+            after=(("bloom", "--level", "3", "--width", "25", "--scale", ".5"),), show=("--exposure", "2"),
             light='AttributeBegin Translate -.9 1.2 2 AreaLightSource "diffuse" "rgb L" [ 18 14 9 ]\n'
                   'Shape "sphere" "float radius" .18 AttributeEnd'),
     Picture("whitebalance", "imgtool whitebalance to the light", f"{GREY}\n{KNOT}",
-            after=(("whitebalance", "--temperature", "2700"),),
+            after=(("whitebalance", "--temperature", "2700"),), show=("--exposure", "2"),
             light='AttributeBegin Translate -1.6 -1.8 3 AreaLightSource "diffuse" "blackbody L" 2700 "float scale" 12\n'
                   'Shape "sphere" "float radius" .4 AttributeEnd'),
 ]

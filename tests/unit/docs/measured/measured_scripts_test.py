@@ -183,6 +183,7 @@ class Scripts(Folder):
         text = self.csv.read_text()
         self.assertIn("# commit: abc1234\n# machine: Example CPU\n", text)
         self.assertIn("--equal-samples 16 --seeds 5", text)
+        self.assertIn("\n# seeds: 5\n", text)
 
     def test_run_names_what_is_biased_and_does_not_compare_with_it(self):
         self.run_script("run", "--only", "hotel", "--samplers", "bvh;octree:model=paper;octree", "--time", "1",
@@ -246,6 +247,8 @@ class Results(Folder):
         for file in [*(TOP / "docs/results").glob("*.csv"), *(TOP / "docs/paper/results").glob("*.csv")]:
             known = {line.partition(":")[0] for line in file.read_text().splitlines() if line.startswith("# ")}
             self.assertLessEqual({"# commit", "# machine", "# date", "# command"}, known, file)
+            if file.parent.name == "results" and file.parents[1].name == "docs":  # the paper's files name them by scene
+                self.assertIn("# seeds", known, file)
             self.assertTrue(data.read(file), file)
 
     def test_kept_files_have_the_heads_that_the_scripts_write(self):

@@ -3,11 +3,13 @@
 
 usage: compare_renderers_test.py PBRT IMGTOOL
 """
+import os
 import pathlib
 import subprocess
 import sys
 import tempfile
 import unittest
+import unittest.mock
 
 sys.dont_write_bytecode = True
 TOP = pathlib.Path(__file__).resolve().parents[4]
@@ -132,6 +134,13 @@ exec {PBRT} "${{@:1:$#-1}}" {self.top}/wider.pbrt""")
             done = self.compare(PBRT, *wrong)
             self.assertEqual(done.returncode, 2)
             self.assertIn("error: --", done.stderr)
+
+    def test_a_missing_library_is_reported_before_the_renders(self):
+        (self.top / "numpy.py").write_text("raise ImportError('numpy is absent')")
+        stock = self.script(f"touch {self.top}/rendered")
+        with unittest.mock.patch.dict(os.environ, PYTHONPATH=str(self.top)):
+            self.assertIn("python3-numpy", self.fails(stock))
+        self.assertFalse((self.top / "rendered").exists())
 
 
 if __name__ == "__main__":

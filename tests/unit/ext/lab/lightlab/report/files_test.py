@@ -152,6 +152,10 @@ class Files(WithFolder):
         self.assertIn("**biased**", rows[2])
 
 
+    def test_ColumnsAreNamedAsInTheTableOfTheProgram(self):
+        self.assertLessEqual({"efficiency", "speed-up", "x oracle", "prepass s", "build s", "cost", "blocked", "bias"},
+                             {column.name for column in table.COLUMNS})
+
     def test_ErrorColoursAreThoseOfTheErrorPictures(self):
         source = SCRIPTS.parents[4] / "src/pbrt/images/false_color.cpp"
         if not source.exists():

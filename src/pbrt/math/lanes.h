@@ -26,6 +26,14 @@ struct LanesOf {
 template <class T, int N>
 using LanesOf = typename detail::LanesOf<T, N>::Type;
 
+template <class Lanes, class T>
+inline Lanes LoadLanes(const T *from) {
+    Lanes v;
+    std::memcpy(&v, from, sizeof(v));
+    return v;
+}
+inline void StoreLanes(const auto &v, auto *to) { std::memcpy(to, &v, sizeof(v)); }
+
 /// Arithmetic of N floats: F has operators and conversion from Float; comparisons return Mask. Always inlined, as a
 /// call would spill all registers.
 template <int N>
@@ -54,12 +62,8 @@ struct SimdOps {
         [[gnu::always_inline]] F(Lanes v) : v_(v) {}
         Lanes v_;
     };
-    [[gnu::always_inline]] static F Load(const Float *v) {
-        F f;
-        std::memcpy(&f, v, sizeof(f));
-        return f;
-    }
-    [[gnu::always_inline]] static void Store(const F &v, Float *to) { std::memcpy(to, &v, sizeof(v)); }
+    [[gnu::always_inline]] static F Load(const Float *v) { return LoadLanes<LanesOf<Float, N>>(v); }
+    [[gnu::always_inline]] static void Store(const F &v, Float *to) { StoreLanes(v.v_, to); }
     [[gnu::always_inline]] static F Min(const F &a, const F &b) { return Select(a < b, a, b); }
     [[gnu::always_inline]] static F Max(const F &a, const F &b) { return Select(a > b, a, b); }
     [[gnu::always_inline]] static F Select(const Mask &c, const F &ifTrue, const F &ifFalse) {
@@ -86,14 +90,6 @@ struct SimdOps {
         return (half(0) + half(3)) + (half(1) + half(2));
     }
 };
-
-template <class Lanes, class T>
-inline Lanes LoadLanes(const T *from) {
-    Lanes v;
-    std::memcpy(&v, from, sizeof(v));
-    return v;
-}
-inline void StoreLanes(const auto &v, auto *to) { std::memcpy(to, &v, sizeof(v)); }
 
 inline Lanes64 CountingLanes(uint64_t first) { return Lanes64{0, 1, 2, 3} + first; }
 

@@ -60,8 +60,12 @@ class GeometryBuilder {
             return description_.options.forceDiffuse.value_or(false) ? ForceDiffuse(std::move(m)) : m;
         };
         auto byName = [&](const std::string &name) -> MaterialPtr {
-            auto it = named_.find(name);
-            return it == named_.end() || !it->second ? nullptr : contents_.materials[it->second.value];
+            if (auto it = named_.find(name); it != named_.end())
+                return it->second ? contents_.materials[it->second.value] : nullptr;
+            const auto names = std::views::keys(named_);
+            throw UserError("there is no material \"{}\" here; {}.", Abbreviate(name),
+                            names.empty() || sink_.IsFull() ? "none has been defined"
+                                                            : ListChoices(name, {names.begin(), names.end()}));
         };
         MaterialContext context{textures_, description_.files, sink_, byName};
         const std::vector<MaterialEntity> &all = description_.materials;

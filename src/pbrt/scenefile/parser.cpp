@@ -250,6 +250,8 @@ class DirectiveReader {
     void ReadTransformTimes() {
         State().startTime = arguments_.ReadFloat("the start time");
         State().endTime = arguments_.ReadFloat("the end time");
+        if (State().endTime < State().startTime)
+            builder_.Sink().Error(here_, "TransformTimes: the end is before the start.");
     }
 
     void ReadOption() {

@@ -139,7 +139,6 @@ auto ReadPiece(const FlagText &flag, std::string_view piece, const auto &find, P
 }
 
 constexpr const char *kGuideName = "guide";
-constexpr char kLightSampler[] = "light sampler \"{}\"";
 
 /// Throws UserError in a build without path guiding.
 const DirectionSamplings::Entry &FindGuide(const PluginRegistry &registry, const FileLoc &loc) {
@@ -164,9 +163,9 @@ void WarnOfParamsWithoutEffect(const auto &entry, const ParamSet &params, Diagno
 }
 
 /// Parameters of the selected entry: the integrator's, overridden by the flag's. Values out of range are errors.
-ParamSet ChosenParams(const std::string &owner, const auto &entry, const ParamSet &integrator, const FileLoc &loc,
+ParamSet ChosenParams(const char *family, const auto &entry, const ParamSet &integrator, const FileLoc &loc,
                       const ParamSet &added, DiagnosticSink &sink) {
-    ParamSet params(owner, loc);
+    ParamSet params(fmt::format("{} \"{}\"", family, entry.name), loc);
     for (const ParamDoc &doc : entry.params)
         if (const Param *p = integrator.Find(entry.name + "." + doc.name, doc.types.front())) params.Add(*p);
     for (const Param &p : added.Own()) params.Add(p);
@@ -200,7 +199,7 @@ DirectionSpec ReadDirections(const ParamSet &integrator, const std::optional<Par
                              const PluginRegistry &registry, DiagnosticSink &sink) {
     const FileLoc &loc = integrator.Loc();
     const DirectionSamplings::Entry &entry = FindGuide(registry, loc);
-    return {&entry, ChosenParams("the guide", entry, integrator, loc, added.value_or(ParamSet()), sink)};
+    return {&entry, ChosenParams("direction sampling", entry, integrator, loc, added.value_or(ParamSet()), sink)};
 }
 
 std::optional<LightSelection> ReadLightSelection(const ParamSet &integrator, const LightFlags &flags,
@@ -233,9 +232,7 @@ std::optional<LightSelection> ReadLightSelection(const ParamSet &integrator, con
         sampler.entry = &find(name, loc);
     });
     if (!flags.choice.empty()) sampler.entry = ReadPiece(choice, pieces.sampler, find, &keys, sink);
-    if (sampler.entry)
-        sampler.params =
-            ChosenParams(fmt::format(kLightSampler, sampler.entry->name), *sampler.entry, integrator, loc, keys, sink);
+    if (sampler.entry) sampler.params = ChosenParams("light sampler", *sampler.entry, integrator, loc, keys, sink);
 
     if (pieces.guide) {
         guide.emplace("the guide", choice.At(pieces.guide->data()));
@@ -279,9 +276,7 @@ std::optional<LightSamplerSpec> ReadShootingSampler(const ParamSet &integrator, 
     // The scene's name is validated even if the flag overrides it.
     Collect(sink, [&] { spec.entry = &find(named, loc); });
     if (!flag.empty()) spec.entry = ReadPiece(text, text.Text(), find, &keys, sink);
-    if (spec.entry)
-        spec.params =
-            ChosenParams(fmt::format(kLightSampler, spec.entry->name), *spec.entry, integrator, loc, keys, sink);
+    if (spec.entry) spec.params = ChosenParams("light sampler", *spec.entry, integrator, loc, keys, sink);
     if (sink.ErrorCount() > errorsBefore) return {};
     return spec;
 }

@@ -62,10 +62,8 @@ class GeometryBuilder {
         auto byName = [&](const std::string &name) -> MaterialPtr {
             if (auto it = named_.find(name); it != named_.end())
                 return it->second ? contents_.materials[it->second.value] : nullptr;
-            const auto names = std::views::keys(named_);
             throw UserError("there is no material \"{}\" here; {}.", Abbreviate(name),
-                            names.empty() || sink_.IsFull() ? "none has been defined"
-                                                            : ListChoices(name, {names.begin(), names.end()}));
+                            ListNames(sink_, name, std::views::keys(named_), "none has been defined"));
         };
         MaterialContext context{textures_, description_.files, sink_, byName};
         const std::vector<MaterialEntity> &all = description_.materials;

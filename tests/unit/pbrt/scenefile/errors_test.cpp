@@ -49,7 +49,7 @@ TEST(Blocks, TransformBlocksWarnOnce) {
 }
 
 TEST(Blocks, TransformTimesEndNoEarlierThanTheyStart) {
-    ExpectError(" TransformTimes 1 .5\nWorldBegin", 1, 1, "before the start");
+    ExpectError(" TransformTimes 1 .5\nWorldBegin", 1, 1, "before it starts");
     ParseClean("TransformTimes 1 1 WorldBegin");
 }
 

@@ -37,6 +37,23 @@ TEST(GuidedPaths, AreGuidedWhereLightComesFromOnePlace) {
     }
 }
 
+TEST(GuidedPaths, LearnTheSameFromAnyRadiance) {
+    const auto learned = [](const std::string &scale) {
+        BuiltScene built = BuildText(GuideRoomText({.light = kSpotAtCeiling + " 'float scale' " + scale,
+                                                    .parameters = "'string lightsampler' 'bvh' 'bool guide' true",
+                                                    .size = 32}));
+        Render(built);
+        nlohmann::ordered_json report;
+        GuideOf(built)->Report(report);
+        report.erase("learningSeconds");
+        return report;
+    };
+    const nlohmann::ordered_json expected = learned("1");
+    EXPECT_GT(expected["guidingCells"].get<int>(), 5);
+    EXPECT_EQ(learned("1.2089258196146292e24"), expected);  // 2^80
+    EXPECT_EQ(learned("8.271806125530277e-25"), expected);  // 2^-80
+}
+
 TEST(GuidedPaths, AreTheSameForAnyThreadsAndAnySplit) {
     for (const auto &[sampler, fog] : {std::pair("bvh", false), {"octree", false}, {"bvh", true}}) {
         if (!AllSamplers().samplers.Has(sampler)) continue;

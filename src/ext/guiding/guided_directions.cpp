@@ -42,33 +42,29 @@ std::optional<BsdfSample> GuidedDirections::Sample(const PathVertex &vertex, Flo
     PrepareOnce(vertex);
     const auto &[point, bsdf] = vertex;
     if (!(guidingProbability_ > 0)) return bsdf.Sample(point.wo, uc, u);
-    std::optional<BsdfSample> sample;
     if (uc < guidingProbability_) {
         const Vector3 wi = directions_.Sample(u);
         const SampledSpectrum f = bsdf.FOfSamples(point.wo, wi);
-        if (!f) return sample;
+        if (!f) return {};
         const Float guidePdf = directions_.Pdf(wi);
-        if (!(guidePdf > 0)) return sample;
+        if (!(guidePdf > 0)) return {};
         const bool transmits = (Dot(wi, point.shading.n) < 0) != (Dot(point.wo, point.shading.n) < 0);
         const BxdfFlags side = transmits ? BxdfFlags::Transmission : BxdfFlags::Reflection;
-        sample = {.f = f,
-                  .wi = wi,
-                  .pdf = (1 - guidingProbability_) * bsdf.Pdf(point.wo, wi) + guidingProbability_ * guidePdf,
-                  .flags = side | (isGlossy_ ? BxdfFlags::Glossy : BxdfFlags::Diffuse)};
-        return sample;
+        return BsdfSample{.f = f,
+                          .wi = wi,
+                          .pdf = (1 - guidingProbability_) * bsdf.Pdf(point.wo, wi) + guidingProbability_ * guidePdf,
+                          .flags = side | (isGlossy_ ? BxdfFlags::Glossy : BxdfFlags::Diffuse)};
     }
-    sample =
+    std::optional<BsdfSample> sample =
         bsdf.Sample(point.wo, std::min((uc - guidingProbability_) / (1 - guidingProbability_), OneMinusEpsilon), u);
     if (!sample) return sample;
-    if (IsSpecular(sample->flags)) {
-        sample->pdf *= 1 - guidingProbability_;
-        return sample;
-    }
     // One-sample MIS of two techniques with the balance heuristic. The weights use Bsdf::Pdf for both, which may differ
     // from the BSDF's sampling density; they sum to one regardless.
-    const Float bsdfPdf = sample->pdfIsProportional ? bsdf.Pdf(point.wo, sample->wi) : sample->pdf;
-    const Float guidePdf = directions_.Pdf(sample->wi);
-    const Float pdf = (1 - guidingProbability_) * bsdfPdf + guidingProbability_ * guidePdf;
+    Float bsdfPdf = 0, pdf = 0;
+    if (!IsSpecular(sample->flags)) {
+        bsdfPdf = sample->pdfIsProportional ? bsdf.Pdf(point.wo, sample->wi) : sample->pdf;
+        pdf = (1 - guidingProbability_) * bsdfPdf + guidingProbability_ * directions_.Pdf(sample->wi);
+    }
     if (!(pdf > 0)) {
         sample->pdf *= 1 - guidingProbability_;
         return sample;

@@ -30,7 +30,7 @@ constexpr Float kInspectedWeight = 0.5f;  ///< throughput at which PathGuide::In
 /// thousandth of the scene). kSameDirection: distance of unit directions.
 constexpr Float kSameDistance = 1e-4f, kSameDirection = 0.02f;
 
-constexpr uint32_t kVersion = 13;  ///< incremented whenever the output of PathGuide::SaveLearned changes
+constexpr uint32_t kVersion = 14;  ///< incremented whenever the output of PathGuide::SaveLearned changes
 
 }  // namespace
 
@@ -47,6 +47,7 @@ void PathGuide::Prepare(PrepareContext &prepare, int maxDepth) {
     estimatesDirections_ = params_.directions;
     const Bounds3 &bounds = prepare.scene.Bounds();
     environmentDistance_ = bounds.IsEmpty() ? 1 : 10 * Length(bounds.high - bounds.low);
+    perRadianceUnit_ = Float(std::clamp(1 / prepare.scene.Lights().Unit(), 0x1p-120, 0x1p120));
     static constexpr Vector2 kPlaces[View::kRays] = {{0, 0}, {1, 0}, {0, 1}, {1, 1}, {0.5f, 0.5f}};
     const Point2 low(prepare.pixelBounds.low);
     const Vector2 size = Point2(prepare.pixelBounds.high) - low;

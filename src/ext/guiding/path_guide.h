@@ -22,8 +22,10 @@ struct GuideParams {
     void Describe(auto &&v) {
         v("roulette", roulette, "learned Russian roulette; with octree also without guide");
         v("directions", directions, "directional guiding, where it pays");
+        v.OnlyWith("directions", "true");
         v("share", share, Range<Float>{0, 0.95f}, "maximum probability of guided directions");
         v("leastsaved", minSaved, Range<Float>{0, 1000}, "guiding stops below this saving per path cost; 0: never");
+        v.OnlyWith("", "");
         v("records", records, Range<int>{1000, 1 << 26},
           "maximum vertices recorded per update (32 bytes, with directions 104)");
     }
@@ -48,6 +50,8 @@ class PathGuide final : public DirectionSampling {
     }
     const GuideCells &Cells() const { return cells_; }
 
+    /// Radiance is recorded times this, so that its squares fit in single precision.
+    Float PerRadianceUnit() const { return perRadianceUnit_; }
     /// Source distance assigned to rays that leave the scene.
     Float EnvironmentDistance() const { return environmentDistance_; }
     /// False if directional guiding is off or disabled; bounces are then not recorded.
@@ -120,7 +124,7 @@ class PathGuide final : public DirectionSampling {
     View view_;
     int samplesPerPixel_ = 1, next_ = 0, first_ = 0;
     size_t vertices_ = 1;
-    Float environmentDistance_ = 0;
+    Float environmentDistance_ = 0, perRadianceUnit_ = 1;
     RecordedPaths paths_;
     PathRecordStore<GuideRecord> records_;
     PathRoulette roulette_;

@@ -44,14 +44,12 @@ void PathRecorder::BeginScattering(const SampledSpectrum &beta, const SampledSpe
 
 void PathRecorder::End(const SampledSpectrum &L) {
     if (seeksSource_) SetSource(guide_.EnvironmentDistance());
+    const auto inUnit = [&](const SampledSpectrum &radiance) { return radiance * guide_.PerRadianceUnit(); };
     for (size_t i = 0; i < pendingBounces_; ++i) {
         PendingBounce &open = bounces_[i];
-        const SampledSpectrum added = L - open.L;
+        const SampledSpectrum added = inUnit(L - open.L);
         open.record.contribution = added.Average() / open.record.beta;
-        Float radiance = 0;
-        for (int k = 0; k < SpectrumSamples; ++k)
-            if (open.beta[k] > 0) radiance += added[k] / open.beta[k];
-        open.record.radiance = radiance / SpectrumSamples;
+        open.record.radiance = SafeDivide(added, open.beta).Average();
         if (open.record.pdf > 0 && open.record.radiance >= 0 && open.record.contribution >= 0 &&
             std::isfinite(open.record.radiance * open.record.radiance / open.record.pdf) &&
             std::isfinite(open.record.contribution * open.record.contribution * open.record.pdf))
@@ -63,14 +61,14 @@ void PathRecorder::End(const SampledSpectrum &L) {
         const PendingVertex &v = vertices_[i];
         const auto since = [&](const PendingVertex::Before &before) {
             return before.beta > 0
-                       ? RouletteRecord::Segment{(L - before.L).Average() / before.beta, cost_ - before.cost}
+                       ? RouletteRecord::Segment{inUnit(L - before.L).Average() / before.beta, cost_ - before.cost}
                        : RouletteRecord::Segment{};
         };
         const RouletteRecord record{v.p, v.kind, since(v.here), since(v.onwards)};
         if (record.here.IsUsable() && record.onwards.IsUsable()) roulette_->Record(path_, i, record);
     }
     pendingVertices_ = 0;
-    const Float radiance = L.Average();
+    const Float radiance = inUnit(L).Average();
     if (std::isfinite(radiance * radiance)) roulette_->RecordPath(path_, {radiance, PathCost::kCamera + cost_});
 }
 

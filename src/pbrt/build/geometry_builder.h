@@ -61,8 +61,10 @@ class GeometryBuilder {
             return description_.options.forceDiffuse.value_or(false) ? ForceDiffuse(std::move(m)) : m;
         };
         auto byName = [&](const std::string &name) -> MaterialPtr {
-            auto it = named_.find(name);
-            return it == named_.end() || !it->second ? nullptr : contents_.materials[it->second.value];
+            if (auto it = named_.find(name); it != named_.end())
+                return it->second ? contents_.materials[it->second.value] : nullptr;
+            throw UserError("there is no material \"{}\" here; {}.", Abbreviate(name),
+                            ListNames(sink_, name, std::views::keys(named_), "none has been defined"));
         };
         MaterialContext context{textures_, description_.files, sink_, byName};
         const std::vector<MaterialEntity> &all = description_.materials;

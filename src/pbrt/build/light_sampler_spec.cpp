@@ -146,35 +146,32 @@ const DirectionSamplings::Entry &FindGuide(const PluginRegistry &registry, const
     throw UserError("path guiding is an extension, which this program was built without (-DPBRT_EXT=OFF).", loc);
 }
 
+/// Warns about parameters that belong to another value of a choice such as "model" (ParamDoc::choice).
+void WarnOfParamsWithoutEffect(const auto &entry, const ParamSet &params, DiagnosticSink &sink) {
+    const auto find = [&](const ParamDoc &doc) { return params.Find(entry.name + "." + doc.name, doc.types.front()); };
+    for (const ParamDoc &doc : entry.params) {
+        const Param *p = find(doc);
+        const auto choice = std::ranges::find(entry.params, doc.choice, &ParamDoc::name);
+        if (!p || choice == entry.params.end()) continue;
+        std::string chosen = choice->defaultValue;
+        if (const Param *given = find(*choice); given && !given->strings.empty()) chosen = given->strings[0];
+        else if (given && !given->bools.empty()) chosen = detail::ValueText(bool(given->bools[0]));
+        if (doc.chosen != chosen)
+            sink.Warning(p->loc, "\"{}\" has no effect: it belongs to {}={}, and {} is \"{}\" here.", doc.name,
+                         choice->name, doc.chosen, choice->name, chosen);
+    }
+}
+
 /// Parameters of the selected entry: the integrator's, overridden by the flag's. Values out of range are errors.
-ParamSet ChosenParams(const std::string &owner, const auto &entry, const ParamSet &integrator, const FileLoc &loc,
+ParamSet ChosenParams(const char *family, const auto &entry, const ParamSet &integrator, const FileLoc &loc,
                       const ParamSet &added, DiagnosticSink &sink) {
-    ParamSet params(owner, loc);
+    ParamSet params(fmt::format("{} \"{}\"", family, entry.name), loc);
     for (const ParamDoc &doc : entry.params)
         if (const Param *p = integrator.Find(entry.name + "." + doc.name, doc.types.front())) params.Add(*p);
     for (const Param &p : added.Own()) params.Add(p);
     if (entry.check) Collect(sink, [&] { entry.check(params); });
+    WarnOfParamsWithoutEffect(entry, params, sink);
     return params;
-}
-
-ParamSet LightParams(const LightSamplerRegistry::Entry &entry, const ParamSet &integrator, const FileLoc &loc,
-                     const ParamSet &added, DiagnosticSink &sink) {
-    return ChosenParams(fmt::format("light sampler \"{}\"", entry.name), entry, integrator, loc, added, sink);
-}
-
-/// Warns about parameters that belong to another value of a choice such as "model" (ParamDoc::choice).
-void WarnOfParamsWithoutEffect(const LightSamplerRegistry::Entry &entry, const ParamSet &params, DiagnosticSink &sink) {
-    for (const ParamDoc &choice : entry.params) {
-        if (choice.choices.empty()) continue;
-        const Param *given = params.Find(entry.name + "." + choice.name, ParamType::String);
-        const std::string &chosen = given && !given->strings.empty() ? given->strings[0] : choice.defaultValue;
-        for (const ParamDoc &doc : entry.params) {
-            if (doc.choice != choice.name || doc.chosen == chosen) continue;
-            if (const Param *p = params.Find(entry.name + "." + doc.name, doc.types.front()))
-                sink.Warning(p->loc, "\"{}\" has no effect: it belongs to {}={}, and {} is \"{}\" here.", doc.name,
-                             choice.name, doc.chosen, choice.name, chosen);
-        }
-    }
 }
 
 }  // namespace
@@ -202,7 +199,7 @@ DirectionSpec ReadDirections(const ParamSet &integrator, const std::optional<Par
                              const PluginRegistry &registry, DiagnosticSink &sink) {
     const FileLoc &loc = integrator.Loc();
     const DirectionSamplings::Entry &entry = FindGuide(registry, loc);
-    return {&entry, ChosenParams("the guide", entry, integrator, loc, added.value_or(ParamSet()), sink)};
+    return {&entry, ChosenParams("direction sampling", entry, integrator, loc, added.value_or(ParamSet()), sink)};
 }
 
 std::optional<LightSelection> ReadLightSelection(const ParamSet &integrator, const LightFlags &flags,
@@ -235,10 +232,7 @@ std::optional<LightSelection> ReadLightSelection(const ParamSet &integrator, con
         sampler.entry = &find(name, loc);
     });
     if (!flags.choice.empty()) sampler.entry = ReadPiece(choice, pieces.sampler, find, &keys, sink);
-    if (sampler.entry) {
-        sampler.params = LightParams(*sampler.entry, integrator, loc, keys, sink);
-        WarnOfParamsWithoutEffect(*sampler.entry, sampler.params, sink);
-    }
+    if (sampler.entry) sampler.params = ChosenParams("light sampler", *sampler.entry, integrator, loc, keys, sink);
 
     if (pieces.guide) {
         guide.emplace("the guide", choice.At(pieces.guide->data()));
@@ -282,7 +276,7 @@ std::optional<LightSamplerSpec> ReadShootingSampler(const ParamSet &integrator, 
     // The scene's name is validated even if the flag overrides it.
     Collect(sink, [&] { spec.entry = &find(named, loc); });
     if (!flag.empty()) spec.entry = ReadPiece(text, text.Text(), find, &keys, sink);
-    if (spec.entry) spec.params = LightParams(*spec.entry, integrator, loc, keys, sink);
+    if (spec.entry) spec.params = ChosenParams("light sampler", *spec.entry, integrator, loc, keys, sink);
     if (sink.ErrorCount() > errorsBefore) return {};
     return spec;
 }

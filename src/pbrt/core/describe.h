@@ -21,7 +21,7 @@
 /// Visitors read it (ParamReader), document it (DocumentParams) and print it (EffectiveParamsText). Parameters are
 /// visited in order. One that depends on values of others stands in `if (v.When(condition))` and counts as unused where
 /// the condition is false. Between `v.OnlyWith("model", "paper")` and `v.OnlyWith("", "")`, parameters apply only where
-/// text parameter "model" is "paper"; giving them otherwise is a warning.
+/// parameter "model" (text or bool) is "paper"; giving them otherwise is a warning.
 ///
 /// Supported members: int, Float, bool, std::string, std::optional of these, named enumerations, items of several
 /// numbers (points, colours), and lists of these. A folder adds types by overloads of ReadParam and DocumentParam,
@@ -56,7 +56,7 @@ struct ParamDoc {
     std::string range;
     Choices choices;
     std::string help;
-    std::string choice, chosen;  ///< applies only where text parameter `choice` is `chosen`; empty: always
+    std::string choice, chosen;  ///< applies only where parameter `choice` is `chosen`; empty: always
 
     std::string TypeText() const;   ///< "integer", "spectrum texture", ...
     std::string ShortType() const;  ///< "i", "st", ...

@@ -129,6 +129,10 @@ bool Collect(DiagnosticSink &sink, auto &&make) {
 /// Valid choices for messages: `did you mean "x"? valid: x, y`. The suggestion requires a choice similar to `given`; at
 /// most 100 choices are listed.
 std::string ListChoices(std::string_view given, const std::vector<std::string> &choices);
+/// ListChoices, or `none` if there are no names or the message will be dropped: lists are slow, and there may be many.
+std::string ListNames(const DiagnosticSink &sink, std::string_view given, const auto &names, const char *none) {
+    return names.empty() || sink.IsFull() ? none : ListChoices(given, {names.begin(), names.end()});
+}
 
 [[noreturn]] void CheckFailed(const char *expression, const char *file, int line, const std::string &values);
 

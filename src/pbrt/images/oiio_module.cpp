@@ -164,13 +164,16 @@ class OpenImageIO final : public ImageLibrary {
             const std::lock_guard lock(opening);
             in = OIIO::ImageInput::open(path, &request);
         }
-        if (!in) {
-            const std::string reason = OIIO::geterror();
-            if (reason.find("could not find a format reader") == std::string::npos) throw std::runtime_error(reason);
+        const std::string reason = in ? "" : OIIO::geterror();
+        // OpenImageIO's readers of further formats are not reliable: some crash.
+        static constexpr std::string_view kFormats[] = {"png", "jpeg", "targa", "bmp", "gif",
+                                                        "pnm", "psd",  "tiff",  "hdr"};
+        if (in ? std::ranges::count(kFormats, std::string_view(in->format_name())) == 0
+               : reason.find("could not find a format reader") != std::string::npos)
             throw std::runtime_error(
                 "not an image of a known format; PNG, EXR, PFM, HDR, JPEG, TGA, BMP, GIF, PNM, "
                 "PSD and TIFF files can be read");
-        }
+        if (!in) throw std::runtime_error(reason);
         return std::make_unique<OpenInput>(path, std::move(in));
     }
 

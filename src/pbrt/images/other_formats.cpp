@@ -30,7 +30,7 @@ const ImageLibrary &Library() {
 namespace pbrt::formats {
 namespace {
 
-// Applies an EXIF orientation that only mirrors or rotates by 180 degrees.
+// Applies an orientation, numbered as in TIFF, that only mirrors or rotates by 180 degrees.
 Image Upright(const Image &image, int orientation) {
     bool mirrorX = orientation == 2 || orientation == 3, mirrorY = orientation == 3 || orientation == 4;
     if (!mirrorX && !mirrorY) return image;
@@ -42,7 +42,8 @@ Image Upright(const Image &image, int orientation) {
     return result;
 }
 
-/// True if all strips or tiles of the first image of a TIFF or BigTIFF file are in the file.
+/// True if all strips or tiles of the first image of a TIFF or BigTIFF file are in the file. Throws UserError for a
+/// file without the tag BitsPerSample: OpenImageIO takes its 1 bit for 8.
 bool HasTiffPixels(const std::string &path) {
     std::ifstream in(path, std::ios::binary);
     std::error_code failed;
@@ -68,16 +69,19 @@ bool HasTiffPixels(const std::string &path) {
     const uint64_t word = isBig ? 8 : 4, directory = number(word, word), head = isBig ? 8 : 2;
     const uint64_t entries = number(directory, head);
     std::vector<uint64_t> starts, lengths;
+    bool hasBits = false;
     for (uint64_t i = 0; i < entries && isWhole; ++i) {
         const uint64_t entry = directory + head + i * (4 + 2 * word);
         const uint64_t tag = number(entry, 2), type = number(entry + 2, 2), count = number(entry + 4, word);
         const bool isStart = tag == 273 || tag == 324;
+        hasBits |= tag == 258;
         if (!isStart && tag != 279 && tag != 325) continue;
         const uint64_t bytes = type == 3 ? 2 : type == 16 ? 8 : 4, value = entry + 4 + word;
         (isStart ? starts : lengths) = numbers(count > word / bytes ? number(value, word) : value, count, bytes);
     }
     for (size_t i = 0; i < std::min(starts.size(), lengths.size()); ++i)
         isWhole = isWhole && starts[i] <= size && lengths[i] <= size - starts[i];
+    if (isWhole && !hasBits) throw UserError("{}: TIFF files without the tag BitsPerSample are not supported.", path);
     return isWhole;
 }
 
@@ -114,13 +118,14 @@ ImageFile ReadOther(const std::string &path, std::optional<ColorEncoding> encodi
     const int valueBytes = isFloat ? 4 : isDeep ? 2 : 1;
     // Upper bound on pixel bytes per file byte: constant data with deflate, run lengths, LZW or one Huffman bit per
     // block, times up to 24 for 1-bit pixels. TIFF files of white pages have no such limit.
-    constexpr std::string_view kLimited[] = {"png", "jpeg", "bmp", "targa", "pnm", "hdr", "psd", "gif"};
-    const double maxExpansion = std::ranges::count(kLimited, file->format) > 0 ? 25000 : Infinity;
+    const double maxExpansion = file->format == "tiff" ? Infinity : 25000;
     CheckSize(path, resolution.x, resolution.y, file->channels, valueBytes, maxExpansion);
-    if (file->format == "hdr" && file->orientation > 4)
+    // EXIF orientation of photographs is ignored, as in stock pbrt-v4.
+    const bool isOriented = file->format == "hdr" || file->format == "targa" || file->format == "tiff";
+    if (isOriented && file->orientation > 4)
         throw UserError(
-            "{}: the pixels are stored column by column; only row by row is supported (a resolution line "
-            "such as \"-Y {} +X {}\").",
+            "{}: the pixels are stored column by column; only row by row is supported (HDR: a resolution line "
+            "such as \"-Y {} +X {}\"; TIFF: orientations 1 to 4).",
             path, file->height, file->width);
     ImageFile result;
     Image &image = result.image;
@@ -135,8 +140,7 @@ ImageFile ReadOther(const std::string &path, std::optional<ColorEncoding> encodi
         image = Image(isFloat ? PixelFormat::Float : PixelFormat::U8, resolution, names, bytes);
         file->Read(image.Data());
     }
-    // EXIF orientation of photographs is ignored, as in stock pbrt-v4.
-    if (file->format == "targa" || file->format == "hdr") image = Upright(image, file->orientation);
+    if (isOriented) image = Upright(image, file->orientation);
     return result;
 }
 

@@ -96,7 +96,7 @@ void DescriptionBuilder::CheckMaterials() {
     for (const auto &[name, m] : missing)
         sink_.Error(m.firstUse, "This shape uses the named material \"{}\", which is not defined{}; {}.",
                     Abbreviate(name), m.shapes > 1 ? fmt::format(" (so do {} others)", m.shapes - 1) : "",
-                    ListNames(name, std::views::keys(materialNames_), "no material is"));
+                    ListNames(sink_, name, std::views::keys(materialNames_), "no material is"));
 }
 
 void DescriptionBuilder::CheckMedia() {
@@ -105,7 +105,7 @@ void DescriptionBuilder::CheckMedia() {
     auto check = [&](const std::string &name, const FileLoc &loc) {
         if (name.empty() || mediumIndex_.contains(name) || !reported.insert(name).second) return;
         sink_.Error(loc, "Medium \"{}\" is used here but not defined; {}.", Abbreviate(name),
-                    ListNames(name, names, "no medium is"));
+                    ListNames(sink_, name, names, "no medium is"));
     };
     check(scene_.camera.medium, scene_.camera.loc);
     for (const LightEntity &light : scene_.lights) check(light.medium, light.loc);

@@ -335,11 +335,6 @@ class DescriptionBuilder {
         fill(scene_.integrator, "volpath", "Integrator");
         fill(scene_.accelerator, "bvh", "Accelerator");
     }
-    /// ListChoices, or `none` if there are no names or the message will be dropped: lists are slow, and there may be
-    /// many.
-    std::string ListNames(const std::string &given, const auto &names, const char *none) const {
-        return names.empty() || sink_.IsFull() ? none : ListChoices(given, {names.begin(), names.end()});
-    }
     void CheckMaterials();
     void CheckMedia();
     /// Reports instances of undefined objects; removes empty objects and their instances.
@@ -352,7 +347,7 @@ class DescriptionBuilder {
             if (found != objectIndex_.end()) return scene_.objects[found->second].shapes.empty();
             if (!reported.insert(instance.name).second) return true;
             sink_.Error(instance.loc, "Object \"{}\" is not defined; {}.", Abbreviate(instance.name),
-                        ListNames(instance.name, names, "no object is"));
+                        ListNames(sink_, instance.name, names, "no object is"));
             return true;
         });
         std::erase_if(scene_.objects, [](const ObjectEntity &object) { return object.shapes.empty(); });

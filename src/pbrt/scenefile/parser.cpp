@@ -238,18 +238,17 @@ class DirectiveReader {
     }
 
     void ReadActiveTransform() {
-        Token word = arguments_.ReadWord("All, StartTime or EndTime");
-        bool all = word.text == "All";
-        if (!all && word.text != "StartTime" && word.text != "EndTime")
-            arguments_.Fail(word, "Unknown word \"{}\" after ActiveTransform; {}.", Abbreviate(word.text),
-                            ListChoices(word.text, {"All", "StartTime", "EndTime"}));
-        State().startActive = all || word.text == "StartTime";
-        State().endActive = all || word.text == "EndTime";
+        const Token word = arguments_.ReadWord("All, StartTime or EndTime");
+        const auto choice = Choose(word, "time", {"All", "StartTime", "EndTime"});
+        if (!choice) return;
+        State().startActive = *choice != 2;
+        State().endActive = *choice != 1;
     }
 
     void ReadTransformTimes() {
         State().startTime = arguments_.ReadFloat("the start time");
         State().endTime = arguments_.ReadFloat("the end time");
+        if (State().endTime < State().startTime) builder_.Sink().Error(here_, "TransformTimes ends before it starts.");
     }
 
     void ReadOption() {

@@ -97,7 +97,10 @@ TEST(BuildScene, OnlyAnUnnamedMixMayComeBeforeItsMaterials) {
     EXPECT_TRUE(Try(Text("", kLamp + ("Material 'mix' " + mix) + kBall + operands)).isBuilt);
     const Outcome named =
         Try(Text("", kLamp + ("MakeNamedMaterial 'm' 'string type' 'mix' " + mix) + kBall + operands));
-    EXPECT_EQ(named.Count("there is no material \"a\" here"), 1);
+    EXPECT_EQ(named.Count("there is no material \"a\" here; none has been defined"), 1);
+    const Outcome misspelt = Try(Text("", kLamp + operands + "Material 'mix' 'string materials' ['a' 'bb']\n" + kBall));
+    EXPECT_EQ(misspelt.Count("there is no material \"bb\" here; "), 1);
+    EXPECT_EQ(misspelt.Count("valid: a, b"), 1);
 }
 
 TEST(BuildScene, PreparationNamesTheScenesOwnParts) {

@@ -197,6 +197,41 @@ TEST_F(ReadImageFile, UncompressedTiffOfEveryDepthAndPalette) {
         }
 }
 
+TEST_F(ReadImageFile, TiffIsUprightOrAnErrorAndStatesItsDepth) {
+    // 2 x 2 grey pixels: 0, 85, 170, 255.
+    auto tiff = [&](int orientation, bool hasBits = true) {
+        std::string out = Bytes({'I', 'I', 42, 0, 8, 0, 0, 0, hasBits ? 9 : 8, 0});
+        const int after = hasBits ? 122 : 110;
+        for (const auto &[tag, value] : std::initializer_list<std::pair<int, int>>{{256, 2},
+                                                                                   {257, 2},
+                                                                                   {258, 8},
+                                                                                   {259, 1},
+                                                                                   {262, 1},
+                                                                                   {273, after},
+                                                                                   {274, orientation},
+                                                                                   {278, 2},
+                                                                                   {279, 4}})
+            if (tag != 258 || hasBits) out += Bytes({tag & 255, tag >> 8, 3, 0, 1, 0, 0, 0, value, 0, 0, 0});
+        return Write("t.tif", out + Bytes({0, 0, 0, 0, 0, 85, 170, 255}));
+    };
+    const std::array<std::array<int, 4>, 4> orders = {{{0, 1, 2, 3}, {1, 0, 3, 2}, {3, 2, 1, 0}, {2, 3, 0, 1}}};
+    for (int orientation = 1; orientation <= 4; ++orientation) {
+        const Image image = ReadImage(tiff(orientation)).image;
+        for (int i = 0; i < 4; ++i)
+            EXPECT_FLOAT_EQ(image.Get({i % 2, i / 2}, 0), Decoded(uint8_t(85 * orders[orientation - 1][i])))
+                << orientation << " " << i;
+    }
+    for (int orientation = 5; orientation <= 8; ++orientation)
+        ExpectWords(ReadError(tiff(orientation)), {"t.tif", "column by column"});
+    ExpectWords(ReadError(tiff(1, false)), {"t.tif", "BitsPerSample"});
+}
+
+TEST_F(ReadImageFile, FormatsThatAreNotListedAreErrors) {
+    const std::vector<uint8_t> grey(16 * 16 * 3, 100);
+    const std::string path = Write<uint8_t>("a.ico", 16, 16, 3, OIIO::TypeDesc::UINT8, grey);
+    ExpectWords(ReadError(path), {"a.ico", "PSD and TIFF"});
+}
+
 TEST_F(ReadImageFile, PfmHasItsBottomRowFirstInEitherByteOrder) {
     auto word = [](float v, bool big) {
         uint32_t bits = std::bit_cast<uint32_t>(v);

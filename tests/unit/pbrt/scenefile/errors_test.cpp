@@ -48,6 +48,11 @@ TEST(Blocks, TransformBlocksWarnOnce) {
                        "deprecated");
 }
 
+TEST(Blocks, TransformTimesEndNoEarlierThanTheyStart) {
+    ExpectError(" TransformTimes 1 .5\nWorldBegin", 1, 1, "before it starts");
+    ParseClean("TransformTimes 1 1 WorldBegin");
+}
+
 TEST(Names, RedefinitionPointsAtTheName) {
     ExpectWorldError("Texture 't' 'spectrum' 'constant'\nTexture 't' 'spectrum' 'mix'", 3, 8, "test.pbrt:2");
     ExpectWorldError("MakeNamedMaterial 'm' 'string type' 'a'\nMakeNamedMaterial 'm' 'string type' 'a'", 3, 18,

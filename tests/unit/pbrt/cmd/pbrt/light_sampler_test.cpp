@@ -113,9 +113,12 @@ TEST_F(LightSamplers, ParametersWithoutEffectAreWarnings) {
          {std::pair(sampler + "leaves=1024",
                     Words{"Warning: --lightsampler:1:7: \"leaves\"", "no effect", "model=paper"}),
           {sampler + "model=paper,budget=0.1", {"Warning: --lightsampler:1:19: \"budget\"", "no effect"}},
+          {sampler + "depth=2+guide:directions=false,share=0.5",
+           {"Warning: --lightsampler:1:38: \"share\"", "directions=true"}},
           {"--spp 1 --outfile out.exr octree.pbrt", {"Warning: octree.pbrt:5:"}}})
         ExpectWords(RunWell(arguments), words);
-    for (const char *parameters : {"model=paper,leaves=1024", "budget=0.1", "depth=2,floor=0.3"})
+    for (const char *parameters :
+         {"model=paper,leaves=1024", "budget=0.1", "depth=2,floor=0.3", "depth=2+guide:share=0.5"})
         EXPECT_FALSE(Has(RunWell(sampler + parameters), "Warning")) << parameters;
 }
 

@@ -1,4 +1,9 @@
 """Compares the means of images of different seeds by two methods: tiles of the image, Welch's t-test."""
+import functools
+import hashlib
+import json
+import subprocess
+
 import numpy
 
 TILES = (4, 3)
@@ -13,6 +18,25 @@ def tile_means(pfm):
         pixels = numpy.frombuffer(file.read(), order).reshape(height, width, 3).mean(axis=2, dtype=float)
     across, down = TILES
     return numpy.array([t.mean() for row in numpy.array_split(pixels, down) for t in numpy.array_split(row, across, axis=1)])
+
+
+@functools.cache
+def version(program):
+    return subprocess.run([program, "--version"], check=True, capture_output=True, text=True).stdout
+
+
+def rendered(program, flags, scene, folder):
+    """Tile means of the image that pbrt renders; kept in `folder`, so that an interrupted comparison resumes."""
+    flags = ["--quiet", "--quick", *map(str, flags)]
+    kept = folder / "tiles.json"
+    known = json.loads(kept.read_text()) if kept.exists() else {}
+    key = " ".join([version(program).strip(), *flags, scene.name, hashlib.md5(scene.read_bytes()).hexdigest()])
+    if key not in known:
+        picture = folder / "agreement.pfm"
+        subprocess.run([program, *flags, "--outfile", picture, scene], check=True, capture_output=True)
+        known[key] = tile_means(picture).tolist()
+        kept.write_text(json.dumps(known))
+    return known[key]
 
 
 def two_sided(t, freedom):

@@ -177,10 +177,12 @@ struct Accel::Impl {
         const ShadowCallbacks shadows =
             CallbacksFor(passing == shadowless.end() ? ShadowRays::Blocked : passing->second, geometry->alpha);
         RTCGeometry g = nullptr;
-        if (shape.Kind() == ShapeKind::TriangleMesh) {
+        const Mesh *mesh = Mesh::Of(shape);
+        const bool isNative = mesh && !mesh->IsTracedInDouble();
+        if (isNative && shape.Kind() == ShapeKind::TriangleMesh) {
             g = NewTriangles(static_cast<const TriangleMesh &>(shape));
             geometry->hitsOnce = true;
-        } else if (shape.Kind() == ShapeKind::BilinearMesh &&
+        } else if (isNative && shape.Kind() == ShapeKind::BilinearMesh &&
                    AllParallelograms(static_cast<const BilinearMesh &>(shape))) {
             g = NewQuads(static_cast<const BilinearMesh &>(shape));
             geometry->hitsOnce = true;

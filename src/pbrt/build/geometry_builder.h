@@ -13,6 +13,7 @@
 #include "pbrt/shapes/curves.h"
 #include "pbrt/shapes/extent.h"
 #include "pbrt/shapes/shape_factory.h"
+#include "pbrt/shapes/triangle_mesh.h"
 
 namespace pbrt {
 
@@ -181,7 +182,11 @@ class GeometryBuilder {
                                        renderFromPlaced};
             w.shapes = Shapes().Make(e.type, e.params, context);
             w.bounds = {};
-            for (const auto &shape : w.shapes) w.bounds = Union(w.bounds, BoundsOf(*shape));
+            for (const auto &shape : w.shapes) {
+                w.bounds = Union(w.bounds, BoundsOf(*shape));
+                auto *mesh = dynamic_cast<Mesh *>(shape.get());
+                if (mesh && w.object < 0 && !w.motion) mesh->TraceLargePlanesInDouble();
+            }
             if (w.motion)
                 for (const auto &shape : w.shapes) RequireReach(e.params.What(), *w.motion, BoundsOf(*shape), e.loc);
         });

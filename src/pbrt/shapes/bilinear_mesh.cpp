@@ -102,7 +102,7 @@ bool BilinearMesh::IsParallelogram(uint32_t primitive) const {
 
 Bounds3 BilinearMesh::PrimitiveBounds(uint32_t primitive) const {
     Corners c = CornersOf(primitive);
-    return Union(Bounds3(c.p00, c.p10), Bounds3(c.p01, c.p11));
+    return RoundedBounds(Union(Bounds3(c.p00, c.p10), Bounds3(c.p01, c.p11)));
 }
 
 Float BilinearMesh::Area(uint32_t primitive) const {
@@ -140,13 +140,14 @@ struct BilinearMesh::PatchHit {
     double t, u, v;
 
     /// The hit in (tMin, tMax) nearest to `at`; u and v may leave [0, 1] by `slack`.
-    static std::optional<PatchHit> Nearest(const Corners &c, const Point3 &o, const Vector3 &d, double tMin,
+    static std::optional<PatchHit> Nearest(const BilinearMesh &mesh, uint32_t primitive, const Ray &ray, double tMin,
                                            double tMax, double at, double slack) {
         // For fixed u the patch is a line; the ray meets it where both are coplanar, a quadratic in u. Double precision
         // separates close roots of low curvature and keeps shared edges watertight.
         using D = glm::dvec3;
-        D dir(d), a0 = D(c.p00) - D(o), da = D(c.p10) - D(c.p00), e0 = D(c.p01) - D(c.p00);
-        D de = (D(c.p11) - D(c.p01)) - da;
+        const D p00 = mesh.ExactCorner(primitive, 0), p01 = mesh.ExactCorner(primitive, 2);
+        D dir(ray.d), a0 = p00 - D(ray.o), da = mesh.ExactCorner(primitive, 1) - p00, e0 = p01 - p00;
+        D de = (mesh.ExactCorner(primitive, 3) - p01) - da;
         D a0d = glm::cross(a0, dir), dad = glm::cross(da, dir);
         std::array<double, 2> roots{};
         int n = SolveQuadratic(glm::dot(e0, a0d), glm::dot(de, a0d) + glm::dot(e0, dad), glm::dot(de, dad), roots);
@@ -179,7 +180,7 @@ struct BilinearMesh::PatchHit {
 
 std::optional<PrimitiveHit> BilinearMesh::Intersect(uint32_t primitive, const Ray &ray, Float tMin) const {
     const std::optional<PatchHit> hit =
-        PatchHit::Nearest(CornersOf(primitive), ray.o, ray.d, double(tMin), double(ray.tMax), double(tMin), 1e-9);
+        PatchHit::Nearest(*this, primitive, ray, double(tMin), double(ray.tMax), double(tMin), 1e-9);
     if (!hit) return {};
     return PrimitiveHit{Float(hit->t), Float(std::clamp(hit->u, 0.0, 1.0)), Float(std::clamp(hit->v, 0.0, 1.0))};
 }
@@ -189,7 +190,7 @@ PrimitiveHit BilinearMesh::Completed(uint32_t primitive, const PrimitiveHit &hit
         return hit;
     constexpr double kSlack = 1e-3;  ///< beyond the edges, for the rounding of rays in an instance's space
     const std::optional<PatchHit> at =
-        PatchHit::Nearest(CornersOf(primitive), ray.o, ray.d, 0, double(Infinity), double(hit.t), kSlack);
+        PatchHit::Nearest(*this, primitive, ray, 0, double(Infinity), double(hit.t), kSlack);
     if (!at) return hit;
     return {hit.t, Float(std::clamp(at->u, 0.0, 1.0)), Float(std::clamp(at->v, 0.0, 1.0))};
 }
@@ -199,10 +200,12 @@ SurfacePoint BilinearMesh::SurfaceInInstance(uint32_t primitive, const Primitive
     SurfacePoint s = Surface(primitive, Completed(primitive, hit, ray));
     const Corners c = CornersOf(primitive);
     const Vector3 span = Abs(c.p10 - c.p00) + Abs(c.p01 - c.p00) + Abs(c.p11 - c.p00);
-    if (!IsLarge(span, distance)) return s;
-    if (const auto at = PatchHit::Nearest(c, ray.o, ray.d, 0, double(Infinity), double(hit.t), kLargePrimitiveSlack)) {
-        using D = glm::dvec3;
-        s.p = Point3(glm::mix(glm::mix(D(c.p00), D(c.p10), at->u), glm::mix(D(c.p01), D(c.p11), at->u), at->v));
+    if (!IsTracedInDouble() && !IsLarge(span, distance)) return s;
+    if (const auto at =
+            PatchHit::Nearest(*this, primitive, ray, 0, double(Infinity), double(hit.t), kLargePrimitiveSlack)) {
+        auto corner = [&](size_t i) { return ExactCorner(primitive, i); };
+        const glm::dvec3 p0 = glm::mix(corner(0), corner(1), at->u), p1 = glm::mix(corner(2), corner(3), at->u);
+        SetExactPoint(s, glm::mix(p0, p1, at->v), ray.o);
     }
     return s;
 }

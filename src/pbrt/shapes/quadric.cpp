@@ -57,7 +57,9 @@ std::optional<PrimitiveHit> Quadric::Intersect(uint32_t, const Ray &ray, Float t
 
 bool Quadric::IsAtHeight(double height, const Point3 &p, const Vector3 &pError) const {
     const glm::dvec3 n(toObject_[0][2], toObject_[1][2], toObject_[2][2]);
-    return IsRounding(glm::dot(n, glm::dvec3(p) - origin_) - height, n, Max(reach_, Abs(Vector3(origin_))), pError);
+    const Vector3 origin = Abs(Vector3(origin_));
+    return IsRounding(glm::dot(n, glm::dvec3(p) - origin_) - height, n, Abs(p) + origin,
+                      MaxComponent(Max(reach_, origin)), pError);
 }
 
 SurfacePoint Quadric::SurfaceOnRay(uint32_t primitive, const PrimitiveHit &hit, const Ray &ray) const {

@@ -149,9 +149,11 @@ class Shape {
   protected:
     explicit Shape(ShapeKind kind) : kind_(kind) {}
     /// True if a point, known up to `pError`, is in a plane of normal n, but for rounding of the primitive's placement.
-    /// `height`: the point's distance from the plane times |n|. `reach`: largest coordinates of the primitive. pError
-    /// counts to a limit relative to `reach`: far from the world's origin it would hide surfaces near the camera.
-    static bool IsRounding(double height, const glm::dvec3 &n, const Vector3 &reach, const Vector3 &pError);
+    /// `height`: the point's distance from the plane times |n|. `rounded`: coordinates whose rounding moves the plane
+    /// at the point. `reach`: largest coordinate of the primitive. pError counts to a limit relative to `reach`: far
+    /// from the world's origin it would hide surfaces near the camera.
+    static bool IsRounding(double height, const glm::dvec3 &n, const Vector3 &rounded, Float reach,
+                           const Vector3 &pError);
 
   private:
     /// Converts a density by area to solid angle at `from`; wi is the unit direction to the point. 0 if edge-on.

@@ -51,9 +51,8 @@ Bounds3 PlacedBounds(const Transform &t, const Bounds3 &b) {
     return placed;
 }
 
-bool Shape::IsRounding(double height, const glm::dvec3 &n, const Vector3 &reach, const Vector3 &pError) {
-    const Vector3 limit(Gamma(32) * MaxComponent(reach));
-    const glm::dvec3 error(Gamma(1) * reach + Min(pError, limit));
+bool Shape::IsRounding(double height, const glm::dvec3 &n, const Vector3 &rounded, Float reach, const Vector3 &pError) {
+    const glm::dvec3 error(Gamma(1) * rounded + Min(pError, Vector3(Gamma(32) * reach)));
     return std::abs(height) <= glm::dot(glm::abs(n), error);
 }
 

@@ -7,6 +7,8 @@
 namespace pbrt {
 namespace {
 
+constexpr size_t kMaxExactPrimitives = 16;  ///< as tracing in double precision takes longer
+
 Vector3 HitBarycentrics(const PrimitiveHit &hit) { return {std::max(Float(0), 1 - hit.u - hit.v), hit.u, hit.v}; }
 
 [[gnu::always_inline]] inline Normal3 FaceNormal(const Point3 &p0, const Point3 &p1, const Point3 &p2) {
@@ -35,14 +37,17 @@ void PlaceNormals(const Transform &place, std::vector<Normal3> &normals) {
 Mesh::Mesh(ShapeKind kind, size_t cornerCount, MeshData data, const Transform &renderFromObject,
            bool reverseOrientation)
     : Shape(kind), mesh_(std::move(data)), cornerCount_(cornerCount),
-      flipNormal_(reverseOrientation != renderFromObject.SwapsHandedness()) {
+      flipNormal_(reverseOrientation != renderFromObject.SwapsHandedness()), origin_(renderFromObject.Matrix()[3]) {
     PBRT_CHECK(mesh_.indices.size() % cornerCount == 0);
     for (uint32_t i : mesh_.indices) PBRT_CHECK_MSG(i < mesh_.p.size(), "index {} of {}", i, mesh_.p.size());
     PlaceNormals(renderFromObject, mesh_.n);
+    if (PrimitiveCount() <= kMaxExactPrimitives)
+        for (const Point3 &p : mesh_.p) exact_.emplace_back(glm::dmat4(renderFromObject.Matrix()) * glm::dvec4(p, 1));
     if (!renderFromObject.IsIdentity()) {
         for (Point3 &p : mesh_.p) p = renderFromObject.Point(p);
         for (Vector3 &s : mesh_.s) s = renderFromObject.Vector(s);
     }
+    if (!HasVisibleTestError()) exact_ = {};
     if (reverseOrientation)
         for (Normal3 &n : mesh_.n) n = -n;
     mesh_.p.reserve(mesh_.p.size() + 1);
@@ -50,13 +55,41 @@ Mesh::Mesh(ShapeKind kind, size_t cornerCount, MeshData data, const Transform &r
 
 bool Mesh::IsInPlane(uint32_t primitive, const Point3 &p, const Vector3 &pError) const {
     using D = glm::dvec3;
-    const uint32_t *v = &mesh_.indices[cornerCount_ * primitive];
-    const D p0(mesh_.p[v[0]]), n = glm::cross(D(mesh_.p[v[1]]) - p0, D(mesh_.p[v[2]]) - p0);
+    const D p0 = ExactCorner(primitive, 0);
+    const D n = glm::cross(ExactCorner(primitive, 1) - p0, ExactCorner(primitive, 2) - p0);
     Vector3 reach(0);
-    for (size_t i = 0; i < cornerCount_; ++i) reach = Max(reach, Abs(mesh_.p[v[i]]));
-    for (size_t i = 0; i < cornerCount_; ++i)
-        if (!IsRounding(glm::dot(n, D(p) - D(mesh_.p[v[i]])), n, reach, pError)) return false;
+    for (size_t i = 0; i < cornerCount_; ++i) reach = Max(reach, Abs(Vector3(ExactCorner(primitive, i))));
+    // Of corners in double precision, the object's origin and axes are rounded; products lose some of their 53 bits.
+    const Vector3 rounded = isTracedInDouble_ ? Abs(p) + Abs(origin_) + 0x1p-20f * reach : reach;
+    for (size_t i = 0; i < cornerCount_; ++i) {
+        const double height = glm::dot(n, D(p) - ExactCorner(primitive, i));
+        if (!IsRounding(height, n, rounded, MaxComponent(reach), pError)) return false;
+    }
     return n != D(0);
+}
+
+bool Mesh::HasVisibleTestError() const {
+    constexpr Float kVisible = 0x1p-14f;  ///< relative to the distance of a plane from the camera
+    for (size_t i = 0; i < mesh_.indices.size(); i += cornerCount_) {
+        const uint32_t *v = &mesh_.indices[i];
+        const Point3 &p0 = mesh_.p[v[0]], &p1 = mesh_.p[v[1]], &p2 = mesh_.p[v[2]];
+        const Float error = std::max(PlaneTestError(p0, p1, p2, p1), PlaneTestError(p0, p1, p2, p2));
+        if (error > kVisible * AbsDot(FaceNormal(p0, p1, p2), p0)) return true;
+    }
+    return false;
+}
+
+void Mesh::SetExactPoint(SurfacePoint &s, const glm::dvec3 &p, const Point3 &o) const {
+    s.p = Point3(p);
+    if (!isTracedInDouble_) return;
+    const Bounds3 bounds = PrimitiveBounds(s.primitive);
+    // One rounding of the point; Intersect loses some of a double's 53 bits.
+    s.pError = Gamma(2) * Abs(s.p) + 0x1p-40f * (Max(Abs(bounds.low), Abs(bounds.high)) + Abs(o));
+}
+
+Bounds3 Mesh::RoundedBounds(const Bounds3 &b) const {
+    if (!isTracedInDouble_) return b;
+    return {b.low - Gamma(2) * Abs(b.low), b.high + Gamma(2) * Abs(b.high)};
 }
 
 TriangleMesh::TriangleMesh(MeshData data, const Transform &renderFromObject, bool reverseOrientation)
@@ -74,7 +107,7 @@ TriangleMesh::Corners TriangleMesh::CornersOf(uint32_t primitive) const {
 
 Bounds3 TriangleMesh::PrimitiveBounds(uint32_t primitive) const {
     Corners c = CornersOf(primitive);
-    return Union(Bounds3(c.p0, c.p1), c.p2);
+    return RoundedBounds(Union(Bounds3(c.p0, c.p1), c.p2));
 }
 
 Float TriangleMesh::Area(uint32_t primitive) const {
@@ -107,9 +140,10 @@ Point2 TriangleMesh::UvAt(uint32_t primitive, const Vector3 &b) const {
 struct TriangleMesh::PlaneHit {
     double t, b1, b2;
 
-    static std::optional<PlaneHit> Of(const Corners &c, const Point3 &o, const Vector3 &d) {
+    static std::optional<PlaneHit> Of(const TriangleMesh &mesh, uint32_t primitive, const Ray &ray) {
         using D = glm::dvec3;
-        const D e1 = D(c.p1) - D(c.p0), e2 = D(c.p2) - D(c.p0), s = D(o) - D(c.p0), dir(d);
+        const D p0 = mesh.ExactCorner(primitive, 0), e1 = mesh.ExactCorner(primitive, 1) - p0;
+        const D e2 = mesh.ExactCorner(primitive, 2) - p0, s = D(ray.o) - p0, dir(ray.d);
         const D k = glm::cross(dir, e2), q = glm::cross(s, e1);
         const double determinant = glm::dot(k, e1);
         if (determinant == 0) return {};
@@ -118,7 +152,7 @@ struct TriangleMesh::PlaneHit {
 };
 
 std::optional<PrimitiveHit> TriangleMesh::Intersect(uint32_t primitive, const Ray &ray, Float tMin) const {
-    const std::optional<PlaneHit> at = PlaneHit::Of(CornersOf(primitive), ray.o, ray.d);
+    const std::optional<PlaneHit> at = PlaneHit::Of(*this, primitive, ray);
     if (!at || !(at->b1 >= 0 && at->b2 >= 0 && at->b1 + at->b2 <= 1) ||
         !(at->t > double(tMin) && at->t < double(ray.tMax)))
         return {};
@@ -128,7 +162,7 @@ std::optional<PrimitiveHit> TriangleMesh::Intersect(uint32_t primitive, const Ra
 PrimitiveHit TriangleMesh::Completed(uint32_t primitive, const PrimitiveHit &hit, const Ray &ray) const {
     if (!IsAtCorner(hit)) [[likely]]
         return hit;
-    const std::optional<PlaneHit> at = PlaneHit::Of(CornersOf(primitive), ray.o, ray.d);
+    const std::optional<PlaneHit> at = PlaneHit::Of(*this, primitive, ray);
     if (!at) return hit;
     const double b1 = std::clamp(at->b1, 0.0, 1.0), b2 = std::clamp(at->b2, 0.0, 1 - b1);
     return {hit.t, Float(b1), Float(b2)};
@@ -137,15 +171,16 @@ PrimitiveHit TriangleMesh::Completed(uint32_t primitive, const PrimitiveHit &hit
 SurfacePoint TriangleMesh::SurfaceInInstance(uint32_t primitive, const PrimitiveHit &hit, const Ray &ray,
                                              const Vector3 &distance) const {
     SurfacePoint s = Surface(primitive, Completed(primitive, hit, ray));
-    if (!(largestSpan_ > kLargePrimitive * std::min({distance.x, distance.y, distance.z}))) [[likely]]
-        return s;
-    const Corners c = CornersOf(primitive);
-    if (!IsLarge(SpanOf(c), distance)) return s;
-    if (const std::optional<PlaneHit> at = PlaneHit::Of(c, ray.o, ray.d)) {
+    if (!IsTracedInDouble()) [[likely]] {
+        if (!(largestSpan_ > kLargePrimitive * std::min({distance.x, distance.y, distance.z}))) [[likely]]
+            return s;
+        if (!IsLarge(SpanOf(CornersOf(primitive)), distance)) return s;
+    }
+    if (const std::optional<PlaneHit> at = PlaneHit::Of(*this, primitive, ray)) {
         const double slack = kLargePrimitiveSlack;
         const double b1 = std::clamp(at->b1, -slack, 1 + slack), b2 = std::clamp(at->b2, -slack, 1 + slack - b1);
-        const glm::dvec3 p0(c.p0);
-        s.p = Point3(p0 + b1 * (glm::dvec3(c.p1) - p0) + b2 * (glm::dvec3(c.p2) - p0));
+        const glm::dvec3 p0 = ExactCorner(primitive, 0);
+        SetExactPoint(s, p0 + b1 * (ExactCorner(primitive, 1) - p0) + b2 * (ExactCorner(primitive, 2) - p0), ray.o);
     }
     return s;
 }

@@ -60,14 +60,34 @@ class Mesh : public Shape {
         return SurfaceInInstance(primitive, hit, ray, Vector3(hit.t * MaxComponent(Abs(ray.d))));
     }
     bool IsInPlane(uint32_t primitive, const Point3 &p, const Vector3 &pError) const final;
+    /// Intersect, with corners in double precision, replaces Embree's test for planes that are tilted and so large that
+    /// its error and the rounding of their corners could be seen. No effect on other meshes. The mesh must be static,
+    /// and the camera near the origin.
+    void TraceLargePlanesInDouble() { isTracedInDouble_ = !exact_.empty(); }
+    bool IsTracedInDouble() const { return isTracedInDouble_; }
 
   protected:
     static bool IsAtCorner(const PrimitiveHit &hit) { return hit.u == hit.v && (hit.u == 0 || hit.u == 1); }
     Mesh(ShapeKind kind, size_t cornerCount, MeshData data, const Transform &renderFromObject, bool reverseOrientation);
+    glm::dvec3 ExactCorner(uint32_t primitive, size_t corner) const {
+        const uint32_t v = mesh_.indices[cornerCount_ * size_t(primitive) + corner];
+        return isTracedInDouble_ ? exact_[v] : glm::dvec3(mesh_.p[v]);
+    }
+    /// Sets the point, from double precision, of a hit by a ray from `o`.
+    void SetExactPoint(SurfacePoint &s, const glm::dvec3 &p, const Point3 &o) const;
+    /// Bounds of corners, with their rounding.
+    Bounds3 RoundedBounds(const Bounds3 &b) const;
 
     MeshData mesh_;
     size_t cornerCount_;  ///< per primitive
     bool flipNormal_;     ///< orientation flag XOR handedness
+
+  private:
+    bool HasVisibleTestError() const;
+
+    std::vector<glm::dvec3> exact_;  ///< mesh_.p before rounding, of meshes with HasVisibleTestError
+    Vector3 origin_;                 ///< the object's, in rendering space
+    bool isTracedInDouble_ = false;
 };
 
 /// Triangles in rendering space. Embree uses the vertex and index buffers directly.

@@ -11,6 +11,7 @@
 #include "pbrt/images/metrics.h"
 #include "support/light_query.h"
 #include "support/render_waves.h"
+#include "support/temporary_image.h"
 #include "two_rooms.h"
 
 namespace pbrt::test {
@@ -36,9 +37,12 @@ BuiltScene Build(const std::string &parameters = "") {
 }
 
 Objects OpenField() { return Objects().Sky("1 2 3").Material("diffuse").Quad(room::kFloor); }
-/// A closed room with a window, and a sky of one colour outside.
-Objects RoomWithWindow() {
-    return OpenField()
+/// A closed room with a window, and a sky of one colour or this light outside.
+Objects RoomWithWindow(const Objects &outside = Objects().Sky("1 2 3")) {
+    return Objects()
+        .Add(outside)
+        .Material("diffuse")
+        .Quad(room::kFloor)
         .Quad(room::kCeiling)
         .Quad(room::kFront)
         .Quad(room::kBack)
@@ -168,6 +172,15 @@ TEST(PortalsOnTrial, AreUsedWhereTheyPay) {
     const nlohmann::ordered_json brief = ReportOf(RoomWithWindow(), 16, 2);
     EXPECT_FALSE(brief.contains("portalTrial"));
     EXPECT_FALSE(brief.contains("portals"));
+}
+
+/// Nearly all light outside is that of a sun on the other side of the room; the sky lights it.
+TEST(PortalsOnTrial, AreFoundBesideASunThatDoesNotEnter) {
+    const TemporaryImage sky(
+        "sun.exr", RgbImage({32, 32}, [](int x, int y) { return x == 31 && y == 16 ? Rgb(1e5f) : Rgb(1.f); }));
+    const nlohmann::ordered_json report =
+        ReportOf(RoomWithWindow(Objects().Light("infinite", "'string filename' '" + sky.Path() + "'")), 128, 1);
+    EXPECT_EQ(report.value("portals", 0), 1);
 }
 
 /// Taking a run up again gives the same picture.

@@ -12,6 +12,7 @@
 #include "pbrt/core/progress.h"
 #include "pbrt/lightsamplers/weighted_choice.h"
 #include "pbrt/math/rng.h"
+#include "pbrt/math/warps.h"
 
 namespace ext {
 namespace {
@@ -55,11 +56,19 @@ Float MeanCosine(const Portal &portal, const LightQuery &query) {
     return c >= s ? c : Sqr(std::max(c + s, Float(0))) / (4 * s);
 }
 
+/// Evenly over the directions of positive radiance, without L and pdf; empty in the others.
+std::optional<LightLiSample> SampleEvenly(const EnvironmentLight &light, const Point3 &p, const Point2 &u) {
+    const Vector3 wi = SampleUniformSphere(u);
+    if (!(light.MeanRadiance(wi) > 0)) return {};
+    return LightLiSample{.L = {}, .wi = wi, .pLight = light.PointOutside(p, wi)};
+}
+
 /// Traces about `minRays` rays, or more, towards each environment light from `count` of the vertices (at most all),
-/// spread over the image. Directions are proportional to radiance times cosine. Depends on the seed only.
+/// spread over the image. Directions are proportional to cosine times radiance or, if `evenly`, to the cosine where
+/// there is radiance. Depends on the seed only.
 std::vector<EnvironmentRay> TraceEnvironmentRays(PrepareContext &context, std::span<const LightId> lights,
-                                                 std::span<const PrepassVertex> vertices, size_t count,
-                                                 size_t minRays) {
+                                                 std::span<const PrepassVertex> vertices, size_t count, size_t minRays,
+                                                 bool evenly = false) {
     count = std::min(count, vertices.size());
     const size_t perVertex =
         std::clamp(minRays / std::max<size_t>(count, 1), PortalSampling::kRaysPerLight, kMaxPerVertex);
@@ -78,8 +87,10 @@ std::vector<EnvironmentRay> TraceEnvironmentRays(PrepareContext &context, std::s
                 point = glm::fract(point + glm::dvec2(0.7548776662466927, 0.5698402909980532));
                 const Point2 u = glm::min(Point2(point), Point2(OneMinusEpsilon));
                 const Float chance = rng.Uniform();
+                const LightComponent from = context.scene.Lights()[light];
                 const std::optional<LightLiSample> s =
-                    context.scene.Lights()[light].SampleLi(at, u, SampledWavelengths::WholeRange(), false);
+                    evenly ? SampleEvenly(*from.Parent().AsEnvironment(), at.p, u)
+                           : from.SampleLi(at, u, SampledWavelengths::WholeRange(), false);
                 if (!s) continue;
                 Float cosine = Dot(s->wi, at.ns) * (Dot(vertex.wo, at.ns) < 0 ? Float(-1) : Float(1));
                 if (vertex.transmits) cosine = std::abs(cosine);
@@ -151,6 +162,16 @@ std::vector<Portal> Kept(std::span<const Portal> portals, std::span<const Enviro
     return result;
 }
 
+std::vector<Portal> PortalsOf(std::vector<EnvironmentRay> rays, const PrepareContext &context,
+                              std::span<const PrepassVertex> vertices) {
+    rays = FromIndoors(rays);
+    std::vector<Normal3> normals;
+    for (const PrepassVertex &vertex : vertices) normals.push_back(vertex.at.n);
+    std::vector<Portal> portals = RefinePortals(context.scene, FindPortals(rays, normals), vertices, context.seed);
+    Widen(portals, rays);
+    return Kept(portals, rays);
+}
+
 }  // namespace
 
 PortalSampling::PortalSampling(const LightGroups &groups, const std::string &mode, Float floor)
@@ -191,12 +212,11 @@ void PortalSampling::Find(PrepareContext &context, std::span<const PrepassVertex
     };
     if (!isSeenMoreThan(2 * kMaxSeen, kFewVertices, kFewRays) &&
         !isSeenMoreThan(kMaxSeen, kSearchVertices, kSearchRays)) {
-        rays = FromIndoors(rays);
-        std::vector<Normal3> normals;
-        for (const PrepassVertex &vertex : vertices) normals.push_back(vertex.at.n);
-        std::vector<Portal> portals = RefinePortals(context.scene, FindPortals(rays, normals), vertices, context.seed);
-        Widen(portals, rays);
-        portals = Kept(portals, rays);
+        std::vector<Portal> portals = PortalsOf(std::move(rays), context, vertices);
+        // Most of the radiance may be a sun that does not enter.
+        if (portals.empty() && !context.progress.Cancelled())
+            portals = PortalsOf(TraceEnvironmentRays(context, ids_, vertices, kSearchVertices, kSearchRays, true),
+                                context, vertices);
         if (!portals.empty() && !context.progress.Cancelled()) Use(portals);
         if (IsActive() && !Learn(context, vertices)) Clear();
     }

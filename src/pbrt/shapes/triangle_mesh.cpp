@@ -81,7 +81,11 @@ bool Mesh::HasVisibleTestError() const {
 
 void Mesh::SetExactPoint(SurfacePoint &s, const glm::dvec3 &p, const Point3 &o) const {
     s.p = Point3(p);
-    if (!isTracedInDouble_) return;
+    if (!isTracedInDouble_) {
+        const bool isAxisAligned = (s.n.x == 0) + (s.n.y == 0) + (s.n.z == 0) == 2;
+        if (isAxisAligned) s.pError = Gamma(7) * Abs(s.p);  // Embree's test is exact
+        return;
+    }
     const Bounds3 bounds = PrimitiveBounds(s.primitive);
     // One rounding of the point; Intersect loses some of a double's 53 bits.
     s.pError = Gamma(2) * Abs(s.p) + 0x1p-40f * (Max(Abs(bounds.low), Abs(bounds.high)) + Abs(o));

@@ -5,13 +5,13 @@
 #include <algorithm>
 #include <cstring>
 #include <fstream>
-#include <nlohmann/json.hpp>
 #include <stdexcept>
 
 #include "fuzz/corpus.h"
 #include "fuzz/mutators.h"
 #include "fuzz/workplace.h"
 #include "pbrt/core/state_io.h"
+#include "pbrt/films/render_file.h"
 #include "support/scene_text.h"
 
 namespace pbrt::fuzz {
@@ -200,11 +200,12 @@ std::vector<Recipe> Recipes() {
 std::string OfWholeRender(const std::string &file) {
     State state(file);
     std::string &head = state.Section("head");
-    nlohmann::ordered_json json = nlohmann::ordered_json::parse(head.substr(8, head.size() - 16));
-    json["isPart"] = false;
-    json["end"] = 16;
+    RenderFileHead read;
+    StateReader(head, "head").Structure(read);
+    read.isPart = false;
+    read.end = 16;
     StateWriter changed;
-    changed.Structure(json.dump());
+    changed.Structure(read);
     head = changed.Joined();
     return state.Bytes();
 }

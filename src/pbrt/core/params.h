@@ -98,6 +98,8 @@ struct Param {
     std::vector<uint8_t> bools;
     std::string colorSpace = "srgb";  ///< current where the parameter was read; used by Rgb only
     bool fromAttribute = false;       ///< Attribute default: never reported as unused
+
+    void Visit(auto &archive) { archive(type, name, floats, ints, strings, bools, colorSpace); }
 };
 
 /// Parameters of one directive as written in the scene. Parameter structs (core/describe.h) interpret them through
@@ -165,6 +167,8 @@ class ParamSet {
         const Param *p = Find(name);
         return p ? p->loc : loc_;
     }
+    /// Locations and defaults are not saved.
+    void Visit(auto &archive) { archive(what_, params_); }
 
   private:
     std::string what_;

@@ -12,7 +12,7 @@ namespace {
 
 constexpr std::array<char, 8> kMagic = {'p', 'b', 'r', 't', 's', 't', 'a', 't'};
 /// Incremented with every change of the layout of the file or its content.
-constexpr uint32_t kVersion = 5;
+constexpr uint32_t kVersion = 6;
 constexpr size_t kSumBytes = sizeof(uint64_t), kHeadBytes = sizeof(kMagic) + sizeof(kVersion) + sizeof(uint64_t);
 
 uint64_t Checksum(std::string_view bytes, uint64_t before = 0) {

@@ -2,10 +2,12 @@
 #include <algorithm>
 #include <cstdint>
 #include <cstring>
+#include <map>
 #include <optional>
 #include <string>
 #include <string_view>
 #include <type_traits>
+#include <variant>
 #include <vector>
 
 #include "pbrt/core/error.h"
@@ -28,8 +30,8 @@ inline uint64_t StructureHash(std::string_view bytes) {
 /// Refer are only referenced, to avoid duplicating big arrays, and must not change until the last use of Pieces.
 ///
 /// Learned structures declare their members once, in `void Visit(auto &archive)`, for StateWriter and StateReader. It
-/// calls archive(member, ...) for trivially copyable values, vectors of them, texts and structures with Visit. Indices
-/// and offsets use archive.Structure(vector).
+/// calls archive(member, ...) for trivially copyable values, texts, structures with Visit, and vectors, maps, optionals
+/// and variants of these. Indices and offsets use archive.Structure(vector).
 class StateWriter {
   public:
     template <class... T>
@@ -41,10 +43,16 @@ class StateWriter {
         static_assert(std::is_trivially_copyable_v<T>);
         Copy(&value, sizeof(value));
     }
-    /// A vector or text plus a hash of it, for indices, offsets and names: also detects valid changes.
+    /// A value plus a hash of its bytes, for indices, offsets and names: also detects valid changes.
     void Structure(const auto &values) {
-        Save(values);
-        Value(StructureHash({reinterpret_cast<const char *>(values.data()), values.size() * sizeof(values[0])}));
+        if constexpr (requires { values.data(); }) {
+            Save(values);
+            Value(StructureHash({reinterpret_cast<const char *>(values.data()), values.size() * sizeof(values[0])}));
+        } else {
+            StateWriter bytes;
+            bytes(values);
+            Structure(bytes.Joined());
+        }
     }
     void Copy(const void *data, size_t bytes) {
         if (bytes == 0) return;
@@ -81,12 +89,28 @@ class StateWriter {
         if constexpr (requires(T & v, StateWriter & archive) { v.Visit(archive); }) const_cast<T &>(value).Visit(*this);
         else Value(value);
     }
-    /// Number of elements, then the elements, by reference.
+    /// Number of elements, then the elements; plain memory by reference.
     template <class T>
     void Save(const std::vector<T> &values) {
-        static_assert(std::is_trivially_copyable_v<T>);
         Value(uint64_t{values.size()});
-        Refer(values.data(), values.size() * sizeof(T));
+        if constexpr (std::is_trivially_copyable_v<T>) Refer(values.data(), values.size() * sizeof(T));
+        else
+            for (const T &value : values) Save(value);
+    }
+    template <class K, class V>
+    void Save(const std::map<K, V> &values) {
+        Value(uint64_t{values.size()});
+        for (const auto &[key, value] : values) (*this)(key, value);
+    }
+    template <class T>
+    void Save(const std::optional<T> &value) {
+        Value(value.has_value());
+        if (value) Save(*value);
+    }
+    template <class... T>
+    void Save(const std::variant<T...> &value) {
+        Value(uint64_t{value.index()});
+        std::visit([this](const auto &v) { Save(v); }, value);
     }
     void Save(const std::string &text) {
         Value(uint64_t{text.size()});
@@ -128,10 +152,18 @@ class StateReader {
     }
     std::string Text() { return std::string(Take(Value<uint64_t>())); }
     void Structure(auto &values) {
-        Load(values);
-        const char *bytes = reinterpret_cast<const char *>(values.data());
-        Require(Value<uint64_t>() == StructureHash({bytes, values.size() * sizeof(values[0])}),
-                "the hash of a structure does not fit");
+        if constexpr (requires { values.data(); }) {
+            Load(values);
+            const char *bytes = reinterpret_cast<const char *>(values.data());
+            Require(Value<uint64_t>() == StructureHash({bytes, values.size() * sizeof(values[0])}),
+                    "the hash of a structure does not fit");
+        } else {
+            std::string bytes;
+            Structure(bytes);
+            StateReader in(bytes, what_);
+            in(values);
+            in.RequireEnd();
+        }
     }
     std::string_view Take(uint64_t bytes) {
         Require(bytes <= rest_.size(), kTooShort);
@@ -162,12 +194,37 @@ class StateReader {
     }
     template <class T>
     void Load(std::vector<T> &values) {
-        static_assert(std::is_trivially_copyable_v<T>);
         const auto count = Value<uint64_t>();
-        Require(count <= rest_.size() / sizeof(T), kTooShort);
-        const std::string_view bytes = Take(count * sizeof(T));
-        values.resize(count);
-        if (count > 0) std::memcpy(values.data(), bytes.data(), bytes.size());
+        if constexpr (std::is_trivially_copyable_v<T>) {
+            Require(count <= rest_.size() / sizeof(T), kTooShort);
+            const std::string_view bytes = Take(count * sizeof(T));
+            values.resize(count);
+            if (count > 0) std::memcpy(values.data(), bytes.data(), bytes.size());
+        } else {
+            values.clear();
+            for (uint64_t i = 0; i < count; ++i) Load(values.emplace_back());
+        }
+    }
+    template <class K, class V>
+    void Load(std::map<K, V> &values) {
+        values.clear();
+        for (auto count = Value<uint64_t>(); count > 0; --count) {
+            K key;
+            Load(key);
+            Load(values[key]);
+        }
+    }
+    template <class T>
+    void Load(std::optional<T> &value) {
+        value.reset();
+        if (Value<bool>()) Load(value.emplace());
+    }
+    template <class... T>
+    void Load(std::variant<T...> &value) {
+        const auto index = Value<uint64_t>();
+        Require(index < sizeof...(T), "a value is of no known kind");
+        size_t i = 0;
+        ((i++ == index ? Load(value.template emplace<T>()) : void()), ...);
     }
     void Load(std::string &text) { text = Text(); }
 

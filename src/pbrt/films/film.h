@@ -51,6 +51,8 @@ struct FilmOverrides {
     int resolutionDivisor = 1;        ///< 4 with --quick
     bool fullFloat = false;           ///< float precision regardless of savefp16
     std::vector<std::string> aovs{};  ///< --aov: names of additional channels
+
+    void Visit(auto &archive) { archive(cropWindow, pixelBounds, filename, resolutionDivisor, fullFloat, aovs); }
 };
 
 /// Properties common to all films: size, and output format.

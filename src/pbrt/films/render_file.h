@@ -3,7 +3,6 @@
 #include <limits>
 #include <map>
 #include <memory>
-#include <nlohmann/json_fwd.hpp>
 #include <optional>
 #include <string>
 #include <vector>
@@ -24,9 +23,7 @@ struct FilmRecipe {
 
     /// Creates an empty film that makes the same image of the same sums; samples cannot be added.
     std::unique_ptr<Film> Make() const;
-    nlohmann::ordered_json ToJson() const;
-    /// Throws UserError or an exception of the JSON library for input not from ToJson.
-    static FilmRecipe FromJson(const nlohmann::ordered_json &json);
+    void Visit(auto &archive) { archive(type, params, colorSpace, exposureTime, overrides); }
 };
 
 /// Everything that determines a render's samples: "program", "file NAME" with a hash, and flags such as "--maxdepth".
@@ -49,6 +46,10 @@ struct RenderFileHead {
     FilmRecipe film;
     ImageMetadata metadata;  ///< attributes of the output image
 
+    void Visit(auto &archive) {
+        archive(identity, samplesFlag, samplesPerBatch, first, end, isPart, done, passCount, seconds, renderSeconds,
+                film, metadata.attributes);
+    }
     /// Returns the error of an invalid head; empty if valid.
     std::optional<std::string> Validate() const {
         const auto isTime = [](double s) { return s >= 0 && std::isfinite(s); };

@@ -56,17 +56,6 @@ Float ColorEncoding::ToLinear(Float encoded) const {
     return 0;
 }
 
-Float ColorEncoding::FromLinear(Float linear) const {
-    switch (kind) {
-        case Kind::Linear: return linear;
-        case Kind::SRGB:
-            return linear <= Float(0.0031308) ? linear * Float(12.92)
-                                              : Float(1.055) * std::pow(linear, 1 / Float(2.4)) - Float(0.055);
-        case Kind::Gamma: return std::pow(std::max(linear, Float(0)), 1 / gamma);
-    }
-    return 0;
-}
-
 ByteCode::ByteCode(const ColorEncoding &encoding) {
     for (size_t i = 0; i < 256; ++i) {
         decode_[i] = encoding.ToLinear(Float(i) / 255);

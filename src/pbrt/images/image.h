@@ -25,7 +25,6 @@ struct ColorEncoding {
     /// "linear", "sRGB", "gamma X"; nullopt if none of these.
     static std::optional<ColorEncoding> Parse(const std::string &name);
     Float ToLinear(Float encoded) const;
-    Float FromLinear(Float linear) const;
     auto operator<=>(const ColorEncoding &) const = default;
 };
 

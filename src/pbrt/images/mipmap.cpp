@@ -11,20 +11,9 @@
 namespace pbrt {
 namespace {
 
+/// N: 1 or 3.
 template <int N>
-struct Texel {
-    std::array<Float, N> v{};
-    void AddScaled(Float weight, const Texel &t) {
-        for (size_t i = 0; i < N; ++i) v[i] += weight * t.v[i];
-    }
-};
-
-template <int N>
-Texel<N> Mix(Float t, const Texel<N> &a, const Texel<N> &b) {
-    Texel<N> r;
-    for (size_t i = 0; i < N; ++i) r.v[i] = Lerp(t, a.v[i], b.v[i]);
-    return r;
-}
+using Texel = glm::vec<N, Float>;
 
 // exp(-2 r^2) shifted to reach 0 at r^2 = 1 (Greene and Heckbert 1986), tabulated over r^2.
 constexpr int GaussianEntries = 128;
@@ -67,7 +56,7 @@ class Reader {
         // No interpolation between levels 0 and 1, as in stock pbrt-v4.
         if (level < 1) return Bilinear(0, st);
         const int whole = std::min(int(level), last - 1);
-        return Mix(level - Float(whole), Bilinear(whole, st), Bilinear(whole + 1, st));
+        return Lerp(level - Float(whole), Bilinear(whole, st), Bilinear(whole + 1, st));
     }
 
   private:
@@ -76,9 +65,8 @@ class Reader {
     static Float Linear(float value) { return value; }
     Texel<N> Decode(const void *texels, size_t i) const {
         const Stored *data = static_cast<const Stored *>(texels) + i;
-        Texel<N> t;
-        for (size_t c = 0; c < N; ++c) t.v[c] = Linear(data[c]);
-        return t;
+        if constexpr (N == 1) return Texel<N>(Linear(*data));
+        else return {Linear(data[0]), Linear(data[1]), Linear(data[2])};
     }
 
     Texel<N> Load(const MipMap::LevelView &level, int x, int y) const {
@@ -95,7 +83,7 @@ class Reader {
 
     Texel<N> At(const MipMap::LevelView &level, Point2i p) const {
         if (view_.wrap == WrapMode::Repeat) return Load(level, p.x & (level.width - 1), p.y & (level.height - 1));
-        if (!RemapPixel(p, {level.width, level.height}, view_.wrap)) return {};
+        if (!RemapPixel(p, {level.width, level.height}, view_.wrap)) return Texel<N>(0);
         return Load(level, p.x, p.y);
     }
     Texel<N> At(int level, Point2i p) const { return At(view_.levels[level], p); }
@@ -113,12 +101,12 @@ class Reader {
         const Float fx = std::floor(x), fy = std::floor(y);
         const Float dx = x - fx, dy = y - fy;
         const Point2i p(ToPixel(fx), ToPixel(fy));
-        Texel<N> sum;
+        Texel<N> sum(0);
         const auto add = [&](auto &&at) {
-            sum.AddScaled((1 - dx) * (1 - dy), at(0, 0));
-            sum.AddScaled(dx * (1 - dy), at(1, 0));
-            sum.AddScaled((1 - dx) * dy, at(0, 1));
-            sum.AddScaled(dx * dy, at(1, 1));
+            sum += (1 - dx) * (1 - dy) * at(0, 0);
+            sum += dx * (1 - dy) * at(1, 0);
+            sum += (1 - dx) * dy * at(0, 1);
+            sum += dx * dy * at(1, 1);
         };
         if (view_.wrap == WrapMode::Repeat) {
             const int xs[] = {p.x & (level.width - 1), (p.x + 1) & (level.width - 1)};
@@ -152,7 +140,7 @@ class Reader {
         const Float level = std::max(Float(0), Float(last) + std::log2(shorter));
         if (level >= Float(last) + 1) return At(last, {0, 0});
         const int whole = int(level);
-        return Mix(level - Float(whole), EwaLevel(whole, st, major, minor), EwaLevel(whole + 1, st, major, minor));
+        return Lerp(level - Float(whole), EwaLevel(whole, st, major, minor), EwaLevel(whole + 1, st, major, minor));
     }
 
     Texel<N> EwaLevel(int i, Point2 st, Vector2 major, Vector2 minor) const {
@@ -177,7 +165,7 @@ class Reader {
         // Repeat is the common case, read without a call.
         const bool repeats = view_.wrap == WrapMode::Repeat;
         const Point2i mask(level.width - 1, level.height - 1);
-        Texel<N> sum;
+        Texel<N> sum(0);
         Float weights = 0;
         for (int y = low.y; y <= high.y; ++y) {
             const Float dy = Float(y) - center.y;
@@ -187,13 +175,12 @@ class Reader {
                 if (!(r2 < 1)) continue;
                 const int index = std::clamp(int(r2 * GaussianEntries), 0, GaussianEntries - 1);
                 const Float weight = GaussianTable[index];
-                sum.AddScaled(weight, repeats ? Load(level, x & mask.x, y & mask.y) : At(level, {x, y}));
+                sum += weight * (repeats ? Load(level, x & mask.x, y & mask.y) : At(level, {x, y}));
                 weights += weight;
             }
         }
         if (!(weights > 0)) return Bilinear(i, st);
-        for (Float &v : sum.v) v /= weights;
-        return sum;
+        return sum / weights;
     }
 
     const MipMap::View &view_;
@@ -209,7 +196,7 @@ Texel<N> ReadFrom(const MipMap::View &view, size_t first, Point2 st, Vector2 dst
         case PixelFormat::Half: return Reader<uint16_t, N, Tiled>(view, first).Filter(st, dst0, dst1);
         case PixelFormat::Float: return Reader<float, N, Tiled>(view, first).Filter(st, dst0, dst1);
     }
-    return {};
+    return Texel<N>(0);
 }
 
 template <int N>
@@ -275,16 +262,15 @@ Float MipMap::LookupFloat(Point2 st, Vector2 dst0, Vector2 dst1) const {
     const bool smooth = view_.filter == TextureFilter::Ewa
                             ? !(std::min(glm::length(dst0), glm::length(dst1)) > 0)
                             : view_.filter != TextureFilter::Point && !(Width(dst0, dst1) >= 1);
-    if (view_.channels == 1 || !smooth) return Read<1>(view_, 0, st, dst0, dst1).v[0];
-    if (view_.channels == 4) return Read<1>(view_, 3, st, dst0, dst1).v[0];
+    if (view_.channels == 1 || !smooth) return Read<1>(view_, 0, st, dst0, dst1).x;
+    if (view_.channels == 4) return Read<1>(view_, 3, st, dst0, dst1).x;
     const Texel<3> rgb = Read<3>(view_, 0, st, dst0, dst1);
-    return (rgb.v[0] + rgb.v[1] + rgb.v[2]) / 3;
+    return (rgb.x + rgb.y + rgb.z) / 3;
 }
 
 Rgb MipMap::LookupRgb(Point2 st, Vector2 dst0, Vector2 dst1) const {
-    if (view_.channels == 1) return Rgb(Read<1>(view_, 0, st, dst0, dst1).v[0]);
-    const Texel<3> rgb = Read<3>(view_, 0, st, dst0, dst1);
-    return {rgb.v[0], rgb.v[1], rgb.v[2]};
+    if (view_.channels == 1) return Rgb(Read<1>(view_, 0, st, dst0, dst1).x);
+    return Read<3>(view_, 0, st, dst0, dst1);
 }
 
 }  // namespace pbrt

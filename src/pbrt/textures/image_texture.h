@@ -21,7 +21,8 @@ struct MipMapKey {
     std::optional<ColorEncoding> encoding{};  ///< nullopt: the format's default
 
     auto operator<=>(const MipMapKey &) const = default;
-    bool HasPixelsOf(const MipMapKey &o) const { return path == o.path && wrap == o.wrap && encoding == o.encoding; }
+    /// Of the same pixels, which are read once for all filters.
+    MipMapKey WithoutFilter() const { return {.path = path, .wrap = wrap, .encoding = encoding}; }
 };
 
 /// Images of one scene, each read once for all filters. Errors are UserErrors without location, at every lookup.
@@ -30,16 +31,10 @@ class ImageCache {
     /// `megabytes` > 0: big images are stored on disk, with at most this much of them in memory.
     explicit ImageCache(int megabytes = 0) : tiles_(megabytes > 0 ? std::make_unique<TileCache>(megabytes) : nullptr) {}
     std::shared_ptr<const MipMap> GetMipMap(const MipMapKey &key) {
-        auto [it, isNew] = mipMaps_.try_emplace(key);
-        if (isNew) {
-            const Entry<MipMap> *same = SamePixels(key);
-            if (!same) Fill(it->second, [&] { return ReadMipMap(key, tiles_.get()); });
-            else if (same->value)
-                it->second.value = std::make_shared<MipMap>(*same->value, key.filter, key.maxAnisotropy);
-            else it->second.error = same->error;
-        }
+        auto [it, isNew] = mipMaps_.try_emplace(key.WithoutFilter());
+        if (isNew) Fill(it->second, [&] { return ReadMipMap(key, tiles_.get()); });
         if (!it->second.value) throw UserError(it->second.error);
-        return it->second.value;
+        return std::make_shared<MipMap>(*it->second.value, key.filter, key.maxAnisotropy);
     }
     /// R, G and B of a file; 8 or 16 bit values are taken as linear.
     std::shared_ptr<const Image> GetLinearRgb(const std::string &path) {
@@ -50,13 +45,9 @@ class ImageCache {
     }
     void Preload(const std::vector<MipMapKey> &keys) {
         std::vector<std::pair<const MipMapKey *, Entry<MipMap> *>> missing;
-        for (const MipMapKey &key : keys) {
-            auto sameFile = [&](const auto &m) { return m.first->HasPixelsOf(key); };
-            if (mipMaps_.contains(key) || SamePixels(key)) continue;
-            if (std::any_of(missing.begin(), missing.end(), sameFile)) continue;
-            auto [it, isNew] = mipMaps_.try_emplace(key);
-            missing.emplace_back(&it->first, &it->second);
-        }
+        for (const MipMapKey &key : keys)
+            if (auto [it, isNew] = mipMaps_.try_emplace(key.WithoutFilter()); isNew)
+                missing.emplace_back(&it->first, &it->second);
         ParallelForEach(int64_t(missing.size()), [&](int64_t i) {
             auto [key, entry] = missing[i];
             Fill(*entry, [&, key = key] { return ReadMipMap(*key, tiles_.get()); });
@@ -69,16 +60,6 @@ class ImageCache {
         std::shared_ptr<const T> value;
         std::string error;
     };
-    /// Entry of another key with the same pixels; null if there is none.
-    const Entry<MipMap> *SamePixels(const MipMapKey &key) const {
-        MipMapKey first;  // keys are sorted by path first; this is the smallest of a path
-        first.path = key.path;
-        first.filter = TextureFilter::Point;
-        first.maxAnisotropy = -Infinity;
-        for (auto it = mipMaps_.lower_bound(first); it != mipMaps_.end() && it->first.path == key.path; ++it)
-            if (it->first.HasPixelsOf(key) && (it->second.value || !it->second.error.empty())) return &it->second;
-        return nullptr;
-    }
     static void RequireRgb(const Image &image, const std::string &path) {
         for (const char *channel : {"R", "G", "B"})
             if (image.FindChannel(channel) < 0)
@@ -104,7 +85,7 @@ class ImageCache {
     }
 
     std::unique_ptr<TileCache> tiles_;
-    std::map<MipMapKey, Entry<MipMap>> mipMaps_;
+    std::map<MipMapKey, Entry<MipMap>> mipMaps_;  ///< by WithoutFilter
     std::map<std::string, Entry<Image>> linear_;
 };
 

@@ -84,8 +84,8 @@ struct TextureLibrary::Impl {
 
     FileResolver files;
     DiagnosticSink &sink;
-    size_t &missingImages;
     ImageCache images;
+    size_t missingImages = 0;  ///< image textures with missing files, already reported
     bool imagesPreloaded = false;
     int nesting = 0;                                       ///< current depth of nested creation
     std::vector<std::unique_ptr<Definition>> definitions;  ///< in file order
@@ -224,7 +224,7 @@ struct TextureLibrary::Impl {
 };
 
 TextureLibrary::TextureLibrary(const FileResolver &files, DiagnosticSink &sink, int cacheMegabytes)
-    : impl_(new Impl{files, sink, missingImages_, ImageCache(cacheMegabytes), false, 0, {}, {}}) {}
+    : impl_(new Impl{files, sink, ImageCache(cacheMegabytes), 0, false, 0, {}, {}}) {}
 
 TextureLibrary::~TextureLibrary() = default;
 
@@ -258,8 +258,8 @@ void TextureLibrary::CheckAll() {
         if (d->isSpectrum) impl_->MakeSpectrum(*d, SpectrumUse::Unbounded);
         else impl_->MakeFloat(*d);
     }
-    if (missingImages_ > 0)
-        impl_->sink.Error({}, "{} missing texture{}.", missingImages_, missingImages_ == 1 ? "" : "s");
+    if (const size_t missing = impl_->missingImages; missing > 0)
+        impl_->sink.Error({}, "{}.", CountText(missing, "missing texture"));
 }
 
 FloatTexturePtr TextureLibrary::Get(const FloatTextureParam &p) { return impl_->Find(p, impl_->definitions.size()); }

@@ -52,13 +52,9 @@ class TextureLibrary {
     /// Undecoded R, G, B of an image file (normal maps), read once per file. Throws UserError (no location).
     std::shared_ptr<const Image> GetLinearRgbImage(const std::string &file);
 
-    /// Number of image textures with missing files (already reported to the sink).
-    size_t MissingImages() const { return missingImages_; }
-
   private:
     struct Impl;
     std::unique_ptr<Impl> impl_;
-    size_t missingImages_ = 0;
 };
 
 /// Texture class of the format that is not supported.

@@ -42,16 +42,10 @@ class LearnedLights {
                             built.lightSamplerName);
         if (!loaded_) return;
         RenderIdentity saved;
-        try {
-            StateReader in(loaded_->Section("identity"), loaded_->Path());
-            std::string text;
-            in.Structure(text);
-            in.Require(in.Value<uint64_t>() == loaded_->Section("learned").size(), "it has another length");
-            in.RequireEnd();
-            saved = Json::parse(text).get<RenderIdentity>();
-        } catch (const Json::exception &) {
-            throw UserError("{}: its content is damaged: its head is not readable.", loaded_->Path());
-        }
+        StateReader in(loaded_->Section("identity"), loaded_->Path());
+        in.Structure(saved);
+        in.Require(in.Value<uint64_t>() == loaded_->Section("learned").size(), "it has another length");
+        in.RequireEnd();
         if (const std::string differences = DifferencesOf(IdentityOf(built), saved, loaded_->Path());
             !differences.empty())
             throw UserError("{}: was learned for other lights: {}.", loaded_->Path(), differences);
@@ -61,7 +55,7 @@ class LearnedLights {
     void Save(const BuiltScene &built) const {
         StateWriter identity, learned;
         built.integrator->SaveLearned(learned, false);
-        identity.Structure(Json(IdentityOf(built)).dump());
+        identity.Structure(IdentityOf(built));
         identity.Value(learned.Bytes());
         WriteStateFile(savePath_, kKind, {{"identity", &identity}, {"learned", &learned}});
     }

@@ -1,8 +1,6 @@
 // The sums of films: saved, loaded, merged, and splatted to from many threads.
 #include <gtest/gtest.h>
 
-#include <nlohmann/json.hpp>
-
 #include "film_fixtures.h"
 #include "pbrt/core/parallel.h"
 #include "pbrt/films/fixed_sum.h"
@@ -169,7 +167,12 @@ TEST_P(EveryFilm, AFilmMadeFromItsRecipeMakesTheSamePicture) {
     recipe.overrides.pixelBounds = Bounds2i{{0, 0}, {5, 3}};
     auto film = recipe.Make();
     AddSamples(*film, 0, 10);
-    auto again = FilmRecipe::FromJson(nlohmann::ordered_json::parse(recipe.ToJson().dump())).Make();
+    StateWriter out;
+    out(recipe);
+    const std::string bytes = out.Joined();
+    FilmRecipe read;
+    StateReader(bytes, "recipe")(read);
+    auto again = read.Make();
     Load(*again, Saved(*film));
     EXPECT_EQ(again->Metadata().colorSpace, film->Metadata().colorSpace);
     EXPECT_EQ(Bits(film->ToImage()), Bits(again->ToImage()));

@@ -8,7 +8,7 @@ namespace {
 Rgb Shown(const Image &image, int x, int y) {
     const ColorEncoding encoding{};
     Rgb c;
-    for (int i = 0; i < 3; ++i) c[i] = encoding.FromLinear(image.Get({x, y}, i));
+    for (int i = 0; i < 3; ++i) c[i] = Encoded(encoding, image.Get({x, y}, i));
     return c;
 }
 

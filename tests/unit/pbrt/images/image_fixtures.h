@@ -4,6 +4,7 @@
 #include <OpenEXR/ImfHeader.h>
 #include <OpenEXR/ImfOutputFile.h>
 
+#include <cmath>
 #include <initializer_list>
 
 #include "support/errors.h"
@@ -19,6 +20,14 @@ inline std::string Bytes(std::initializer_list<int> values) {
     std::string bytes;
     for (int v : values) bytes += char(v);
     return bytes;
+}
+
+/// Inverse of ColorEncoding::ToLinear.
+inline Float Encoded(const ColorEncoding &encoding, Float linear) {
+    using enum ColorEncoding::Kind;
+    if (encoding.kind == Gamma) return std::pow(linear, 1 / encoding.gamma);
+    if (encoding.kind == Linear) return linear;
+    return linear <= .0031308f ? linear * 12.92f : 1.055f * std::pow(linear, 1 / 2.4f) - .055f;
 }
 
 inline std::string ReadError(const std::string &path) {

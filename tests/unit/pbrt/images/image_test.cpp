@@ -21,7 +21,7 @@ TEST(ColorEncoding, MatchesKnownSrgbValues) {
     EXPECT_FLOAT_EQ(sRGB.ToLinear(1), 1);
     EXPECT_NEAR(sRGB.ToLinear(0.5f), 0.21404114f, 1e-6f);
     EXPECT_NEAR(sRGB.ToLinear(0.04f), 0.04f / 12.92f, 1e-8f);
-    EXPECT_NEAR(sRGB.FromLinear(0.18f), 0.46135613f, 1e-6f);
+    EXPECT_NEAR(Encoded(sRGB, 0.18f), 0.46135613f, 1e-6f);
 }
 
 TEST(ByteCode, DecodesLikeToLinearAndIsKept) {
@@ -42,7 +42,7 @@ TEST(ByteCode, EncodesToTheNearestEncodedByte) {
         const ByteCode &code = ByteCode::Of(encoding);
         for (int i = -1000; i < 31000; ++i) {
             const Float v = Float(i) / 30000;
-            const Float exact = 255 * encoding.FromLinear(std::clamp(v, Float(0), Float(1)));
+            const Float exact = 255 * Encoded(encoding, std::clamp(v, Float(0), Float(1)));
             // At most 0.5, up to the rounding of the power functions.
             ASSERT_NEAR(code.Encode(v), exact, 0.5002f) << name << " " << v;
         }

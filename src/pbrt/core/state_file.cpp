@@ -51,8 +51,8 @@ StateFile::StateFile(const std::string &path, const std::string &kind) : path_(p
     if (const std::string is = reader.Text(); is != kind) fail(fmt::format("is a {}, not a {}", is, kind));
     for (auto count = reader.Value<uint32_t>(); count > 0; --count) {
         const std::string name = reader.Text();
-        reader.Require(!Has(name), "it has a section twice");
-        sections_[name] = reader.Take(reader.Value<uint64_t>());
+        const bool isNew = sections_.emplace(name, reader.Take(reader.Value<uint64_t>())).second;
+        reader.Require(isNew, "it has a section twice");
     }
     reader.RequireEnd();
 }

@@ -18,7 +18,6 @@ class StateFile {
     StateFile &operator=(const StateFile &) = delete;
 
     const std::string &Path() const { return path_; }
-    bool Has(const std::string &section) const { return sections_.count(section) > 0; }
     /// Throws UserError if the section does not exist. The bytes live as long as this object.
     std::string_view Section(const std::string &name) const {
         const auto it = sections_.find(name);

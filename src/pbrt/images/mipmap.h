@@ -31,17 +31,10 @@ class MipMap {
     Rgb LookupRgb(Point2 st, Vector2 dst0, Vector2 dst1) const;
 
     int Levels() const { return int(view_.levels.size()); }
-    /// Only for maps without a tile cache.
+    /// Empty if on disk.
     const Image &Level(int i) const { return pixels_->levels[i]; }
     /// Colour space from EXR chromaticities, sRGB if unspecified.
     const ColorSpace &Space() const { return *colorSpace_; }
-    bool HasAlpha() const { return view_.channels == 4; }
-    /// Bytes in memory, excluding tiles. Shared images are counted by each map.
-    size_t Bytes() const {
-        size_t bytes = 0;
-        for (const Image &level : pixels_->levels) bytes += level.Bytes();
-        return bytes;
-    }
 
     /// Level data for lookups. Width and height are powers of two.
     struct LevelView {

@@ -6,11 +6,11 @@
 #include <zlib.h>
 
 #include <algorithm>
-#include <cctype>
 #include <cerrno>
 #include <cmath>
 #include <cstring>
 #include <memory>
+#include <sstream>
 
 namespace pbrt {
 
@@ -85,26 +85,19 @@ std::string ReadFileContents(const std::string &path, ReadFrom from, double (*av
 }
 
 std::vector<Float> ReadNumberFile(const std::string &path) {
-    const std::string text = ReadFileContents(path);
+    std::istringstream lines(ReadFileContents(path));
     std::vector<Float> numbers;
-    int line = 1;
-    const char *at = text.c_str(), *end = at + text.size();
-    while (at < end) {
-        if (*at == '\n') ++line;
-        if (std::isspace(static_cast<unsigned char>(*at))) {
-            ++at;
-        } else if (*at == '#') {
-            while (at < end && *at != '\n') ++at;
-        } else {
+    int count = 0;
+    for (std::string line; std::getline(lines, line);) {
+        ++count;
+        std::istringstream words(line.substr(0, line.find('#')));
+        for (std::string word; words >> word;) {
             char *after = nullptr;
-            Float value = std::strtof(at, &after);
-            bool separated =
-                after > at && (after >= end || std::isspace(static_cast<unsigned char>(*after)) || *after == '#');
-            if (!separated || !std::isfinite(value))
+            const Float value = std::strtof(word.c_str(), &after);
+            if (after != word.c_str() + word.size() || !std::isfinite(value))
                 throw UserError("{}:{}: expected a number; this file may contain only finite numbers and # comments.",
-                                path, line);
+                                path, count);
             numbers.push_back(value);
-            at = after;
         }
     }
     return numbers;

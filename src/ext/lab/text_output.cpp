@@ -3,7 +3,6 @@
 #include <fmt/chrono.h>
 
 #include <algorithm>
-#include <array>
 #include <boost/algorithm/string.hpp>
 #include <ctime>
 #include <filesystem>
@@ -51,14 +50,10 @@ void MakeFolder(const std::string &folder) {
     CheckWritable(folder + "/index.html");
 }
 
-std::string EscapeHtml(const std::string &text) {
-    std::string out;
-    for (const char c : text) {
-        const size_t special = std::string_view("&<>\"").find(c);
-        out +=
-            special == std::string::npos ? std::string(1, c) : std::array{"&amp;", "&lt;", "&gt;", "&quot;"}[special];
-    }
-    return out;
+std::string EscapeHtml(std::string text) {
+    for (const auto &[special, entity] : {std::pair("&", "&amp;"), {"<", "&lt;"}, {">", "&gt;"}, {"\"", "&quot;"}})
+        boost::replace_all(text, special, entity);
+    return text;
 }
 
 Json DescribeMachine() {

@@ -27,7 +27,7 @@ inline constexpr const char *kPageHead = R"(<!doctype html>
 /// Creates the folder if needed, and checks that files can be written there. Throws UserError.
 void MakeFolder(const std::string &folder);
 
-std::string EscapeHtml(const std::string &text);
+std::string EscapeHtml(std::string text);
 
 Json DescribeMachine();  ///< cpu, threads, memoryGB and os of this machine; null if unknown
 std::string DateText();  ///< current UTC time, as 2026-11-21T03:00:00Z

@@ -7,7 +7,7 @@
 namespace pbrt {
 namespace {
 
-constexpr size_t kMaxExactPrimitives = 16;  ///< as tracing in double precision takes longer
+constexpr size_t kMaxExactPrimitives = 8192;  ///< as tracing in double precision takes longer
 
 Vector3 HitBarycentrics(const PrimitiveHit &hit) { return {std::max(Float(0), 1 - hit.u - hit.v), hit.u, hit.v}; }
 
@@ -47,7 +47,7 @@ Mesh::Mesh(ShapeKind kind, size_t cornerCount, MeshData data, const Transform &r
         for (Point3 &p : mesh_.p) p = renderFromObject.Point(p);
         for (Vector3 &s : mesh_.s) s = renderFromObject.Vector(s);
     }
-    if (!HasVisibleTestError()) exact_ = {};
+    if (!exact_.empty() && !HasVisibleTestError()) exact_ = {};
     if (reverseOrientation)
         for (Normal3 &n : mesh_.n) n = -n;
     mesh_.p.reserve(mesh_.p.size() + 1);
@@ -69,12 +69,15 @@ bool Mesh::IsInPlane(uint32_t primitive, const Point3 &p, const Vector3 &pError)
 }
 
 bool Mesh::HasVisibleTestError() const {
-    constexpr Float kVisible = 0x1p-14f;  ///< relative to the distance of a plane from the camera
+    constexpr Float kVisible = 0x1p-14f;  ///< relative to the distance from the camera
     for (size_t i = 0; i < mesh_.indices.size(); i += cornerCount_) {
         const uint32_t *v = &mesh_.indices[i];
         const Point3 &p0 = mesh_.p[v[0]], &p1 = mesh_.p[v[1]], &p2 = mesh_.p[v[2]];
         const Float error = std::max(PlaneTestError(p0, p1, p2, p1), PlaneTestError(p0, p1, p2, p2));
-        if (error > kVisible * AbsDot(FaceNormal(p0, p1, p2), p0)) return true;
+        if (!(error > kVisible * AbsDot(FaceNormal(p0, p1, p2), p0))) continue;
+        Bounds3 bounds;
+        for (size_t k = 0; k < cornerCount_; ++k) bounds = Union(bounds, mesh_.p[v[k]]);
+        if (error > kVisible * Length(Max(Max(bounds.low, -bounds.high), Vector3(0)))) return true;
     }
     return false;
 }

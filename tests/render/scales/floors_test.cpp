@@ -21,6 +21,18 @@ Objects InstancedFloor(double r, double height, bool isTriangles) {
         .Attribute(fmt::format("Translate 0 -1 0 Scale {0:.9g} {1:.9g} {0:.9g}", r, height),
                    Objects().Add("ObjectInstance 'floor'"));
 }
+/// A floor of 6 x 6 squares of two triangles.
+Objects GridFloor(double r) {
+    constexpr int kSquares = 6;
+    std::string indices, points;
+    for (int i = 0; i < (kSquares + 1) * (kSquares + 1); ++i) {
+        const int x = i % (kSquares + 1), z = i / (kSquares + 1), right = i + 1, below = i + kSquares + 1;
+        points += fmt::format(" {:.9g} -1 {:.9g}", r * (2. * x / kSquares - 1), r * (2. * z / kSquares - 1));
+        if (x < kSquares && z < kSquares)
+            indices += fmt::format(" {0} {1} {2} {1} {3} {2}", i, right, below, below + 1);
+    }
+    return Objects().Triangles(points, indices);
+}
 struct Floor {
     const char *name;
     Objects (*objects)(double r);
@@ -28,6 +40,7 @@ struct Floor {
 const Floor kFloors[] = {
     {"triangles", [](double r) { return Objects().Triangles(FloorCorners(r), kTwoTriangles); }},
     {"patch", [](double r) { return Objects().Quad(FloorCorners(r)); }},
+    {"grid", GridFloor},
     {"trapezoid", [](double r) { return Objects().Quad(FloorCorners(r, 1.5)); }},
     {"disk", [](double r) { return Objects().Attribute("Translate 0 -1 0 Rotate -90 1 0 0", Objects().Disk(r)); }},
     {"instance", [](double r) { return InstancedFloor(r, r, true); }},

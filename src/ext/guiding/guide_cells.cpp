@@ -336,7 +336,7 @@ class GuideCellsBuilder {
         const double bounces = prior + double(content.kindBounces[kind]);
         here.each = here.squares[0] / bounces;
         here.plain /= bounces;
-        // In reverse: parts[0], without guiding, is the divisor.
+        // In reverse: squares[0], without guiding, is the divisor.
         for (size_t k = kProbabilities; k-- > 0;) here.squares[k] /= here.squares[0];
         const PointTree::Node &n = cells_.tree_.Nodes()[node];
         if (!n.IsLeaf()) {

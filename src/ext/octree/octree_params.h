@@ -70,7 +70,7 @@ struct OctreeParams {
         v("learn", learn, "visibility: with more than 64 lights, update the model from shadow rays of the render");
         v("portals", portals, Choices{"auto", "always", "never"},
           "visibility: find portals (windows, doors) and sample environment lights through them; auto: if a trial "
-          "before the render shows that they reduce the error (path and volpath)");
+          "before the render shows less error at equal cost (path and volpath)");
         v.OnlyWith("", "");
         v("meshlights", meshlights,
           "an emissive mesh is one light for selection; visibility: unless at most eight primitives of the scene emit");
